@@ -48,12 +48,12 @@ void estimate_condition(const Scene& scene, SceneData& data);
 
 /// Bounds the errors of each island's a and f after a solve, in the maximum norm, and stores the bounds in the report.
 /// A copy of the solution is refined with residuals in double-double (Precision::kExtended). The bound is the distance
-/// to the copy, and what the copy is uncertain by: its last correction, and the rounding of the scene's numbers when
-/// they were read. In the precision `extended` that rounding is left out. The bound is usually less than a thousand
-/// times the error. The cost is that of about ten solves. If the copy does not converge, because rows depend on others
-/// by rounding alone, or because of contacts' tolerance, the bound is
+/// to the copy plus the copy's uncertainty: its last correction and, except in precision `extended`, the rounding of
+/// the scene's numbers when they were read. It is usually less than a thousand times the error. The cost is that of
+/// about ten solves. If the copy does not converge, because rows are dependent only by rounding, or because of
+/// Scene::tolerance, the bound is
 ///
-///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + what K and b were computed from))
+///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + terms of K and b))
 ///
 /// to first order in eps, often a thousand times the error. The factor c grows with the depth of the trees. The bounds
 /// of failed islands are infinite.

@@ -49,7 +49,7 @@ DerivativeRequest by_all_torques(DerivativeRequest request) {
 
 namespace {
 
-// Calls use(first in the scene's v, in the island's v, count) for each robot of an island on which forces act.
+// Calls use(first coordinate in the scene's v, first in the island's v, count) for each robot on which forces act.
 template <class Use>
 void each_block(const Scene& scene, const Island& island, const AppliedForces<double>& forces, Use&& use) {
   for (std::size_t k = 0; k < island.robots.size(); ++k)
@@ -57,7 +57,7 @@ void each_block(const Scene& scene, const Island& island, const AppliedForces<do
       use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
 }
 
-// Adds l^T dtau/dq and l^T dtau/dv to a row of X; a row of W becomes l^T J_F^T. l: in s, unless all of it is zero.
+// Adds l^T dtau/dq and l^T dtau/dv to row `row` of X, and sets that row of W to l^T J_F^T, with l = s.l.
 void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
              AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
   each_block(scene, island, forces, [&](int at, int, int n) {
@@ -75,7 +75,7 @@ void add_row(const Scene& scene, const SceneData& data, const Island& island, co
     std::copy_n(s.ww.data() + 6 * out.wrenches[k], 6, &out.W(row, 0) + 6 * k);
 }
 
-// Row by row: the row of d/dtau is l, and its products with dtau/dq, dtau/dv, J_F^T are added.
+// Takes each row of d/dtau as l, and adds its products with dtau/dq, dtau/dv and J_F^T.
 void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
                AppliedWork::OfThread& s, IslandDerivatives& out) {
   const int rows = out.request.forces ? island.size() : island.nv;
@@ -86,12 +86,11 @@ void join_rows(const Scene& scene, const SceneData& data, const Island& island, 
       s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(by_tau + first, n);
       any = any || !s.l.segment(at, n).isZero(0);
     });
-    if (any) add_row(scene, data, island, forces, s, row, out);  // else W is zero
+    if (any) add_row(scene, data, island, forces, s, row, out);  // otherwise the row of W stays zero
   }
 }
 
-// Moves the requested columns of the torques to the left and fills the rest with zeros; all with NaN if the island has
-// no derivatives.
+// Moves the requested torque columns to the left; fills the rest with zeros, or NaN without derivatives.
 void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   if (request.u && request.tau) return;

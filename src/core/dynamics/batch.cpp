@@ -12,7 +12,7 @@
 
 namespace manycontact {
 
-/// A scene several times over, one copy after the other, and the data of these.
+/// Several copies of a scene, one after the other in one scene, and the data of that scene.
 struct BatchCopies {
   BatchCopies(const Scene& of, int copies, const Options& options);
 
@@ -142,13 +142,13 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
   }
 }
 
-// Copies the rows of X of the states first, first+1, ... one after the other; copies left over take the last state.
+// Concatenates rows first, first+1, ... of X, one per copy; copies beyond the last state repeat its row.
 void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::VectorXd& out) {
   for (std::ptrdiff_t k = 0; k < copies; ++k)
     out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
 }
 
-// The scene that was solved: itself, or copies of it with one state in each.
+// The scene that was solved, or its copies, each with its own state.
 struct Solved {
   const Scene& scene;
   SceneData& data;
@@ -157,10 +157,10 @@ struct Solved {
   int states;
 
   int count() const { return copies ? copies->count : 1; }
-  std::size_t islands() const { return data.report.islands.size() / count(); }  // islands of one state
+  std::size_t islands() const { return data.report.islands.size() / count(); }  // islands per state
 };
 
-// Row `state` of X, of as many numbers, from the numbers of all that were solved at once.
+// Writes a copy's segment of x, a vector of all states solved at once, into the row of X of its state.
 void put(const Eigen::VectorXd& x, const Solved& s, int copy, BatchRows X) {
   row_of(X, s.first + copy) = x.segment(copy * X.cols(), X.cols());
 }
@@ -172,7 +172,7 @@ Status status_of(const Solved& s, int copy) {
   return worst;
 }
 
-// Solves the states first ... first+states-1 and uses them: as copies in one scene, or one after the other.
+// Solves the states first ... first+states-1, as copies in one scene or one after the other, and calls use(Solved).
 template <class Use>
 void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thread, std::ptrdiff_t first, int states,
                 std::span<Status> status, Use&& use) {
@@ -194,7 +194,7 @@ void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thr
   }
 }
 
-// Solves all states, then use(Solved) of each, or of copies solved together. This is the only loop over states.
+// Solves all states, and calls use(Solved) for each state, or once for copies solved together.
 template <class Use>
 void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std::span<Status> status, Use&& use) {
   for (BatchData::Thread& thread : batch.threads) {
@@ -223,7 +223,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   });
 }
 
-// [da; df] of [q v u] in the scene's order, row-major, from the islands' blocks. nf: of a state.
+// Writes d[a; f]/d[q v u] of one copy in the scene's order, row-major, from the islands' blocks. nf: length of its f.
 void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
   const DerivativeData& dd = derivatives(s.data);
   const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // offsets of the copy's coordinates
@@ -280,7 +280,7 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
 
 namespace {
 
-// WW: nullptr where it is not asked for.
+// WW: nullptr if not requested.
 void products_of_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA,
                        const ConstBatchRows& WF, BatchData& batch, BatchRows& WQ, BatchRows& WV, BatchRows& WU,
                        BatchRows* WW, std::span<Status> status) {

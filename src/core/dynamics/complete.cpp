@@ -1,5 +1,3 @@
-// Computes on request the quantities that a solve leaves out.
-
 #include "internal.hpp"
 #include "workspace/threads.hpp"
 
@@ -7,7 +5,7 @@ namespace manycontact {
 
 namespace {
 
-// Motions, rows and K of the scene's own contacts, where others were solved in their place.
+// Evaluates motions, rows and K of the scene's own contacts, after a reduction was solved in their place.
 void show_contacts(const Scene& scene, const SceneData& data) {
   internal::prepare_islands(scene, data);
   Workspace& w = *data.workspace;

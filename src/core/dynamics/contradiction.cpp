@@ -1,5 +1,5 @@
-// The judge of contradictions, for all systems and for pairs of bodies: rank/contradiction.hpp, and no rounding error
-// of the loads' accelerations, which contacts may cancel in a: of gravity, or without it of |J| |tau - h| / max M_ii.
+// Decides contradictions for all systems and for pairs. A residual from rank/contradiction.hpp counts only above the
+// rounding error of accelerations that contacts may cancel: gravity or, without it, |J| |tau - h| / max M_ii.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// The largest acceleration of a row by torques, with the largest inertia of each robot: light links would be faster, but
-// where contacts keep them that is no reason to overlook a contradiction.
+// Returns the largest acceleration of a row by torques, with each robot's largest inertia so that light links do not
+// hide contradictions.
 double accelerations_of_torques(const Scene& scene, const SceneData& data, const IslandWork& d) {
   const Workspace& w = *data.workspace;
   const auto largest_inertia = [&](int r) {

@@ -32,7 +32,7 @@ bool has_derivatives(const SceneData& data) {
 
 namespace {
 
-// Columns by a robot's torques, where there are any.
+// Returns the number of columns with respect to a robot's torques, if those are requested.
 int torques_of(const Model& model, const DerivativeRequest& request) { return request.tau ? model.nv : model.nu(); }
 
 int columns_of(const Scene& scene, const Island& island, const DerivativeRequest& request) {
@@ -52,7 +52,7 @@ void number_torques(const Scene& scene, const Island& island, IslandDerivatives&
 }
 
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
-  out.u_offset.clear();  // so that it is not taken for laid out, should memory run out
+  out.u_offset.clear();  // marks it as not laid out, should an allocation below throw
   out.request = request;
   out.nv = island.nv;
   out.nc = island.nc;
@@ -72,7 +72,7 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 
 namespace {
 
-// Memory, by the thread that calls, of an island's derivatives.
+// Allocates the memory of an island's derivatives, in the calling thread.
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
@@ -87,10 +87,9 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Differentiates an island that no batch of robots alone serves: robot by robot where that is cheaper, by the system
-// that solved it, or by the whole K. This is the first where sparse-bodies solved: bodies solve for columns one by one,
-// which takes 4 to 70 times as long where K's sparse factor is sound, however deep the tree. Where it is not sound, the
-// dense reference solver of a large K would take longer.
+// Differentiates an island outside SIMD batches: robot by robot where that is cheaper, else by the system that solved
+// it or by the whole K. After sparse-bodies the whole K is tried first if it is not too large for the dense reference
+// solver: bodies solve column by column, which takes 4 to 70 times as long as K's sparse factor.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
@@ -99,7 +98,7 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
       d.matrix.deficient() == d.deficient &&  // same rank as the solution's
       d.matrix.differentiate(scene, data, thread, out))
     return;
-  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // robots were tried just now, or are not cheaper
+  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // `robots` failed above, or is not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
       }))
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -111,9 +110,9 @@ void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, Th
 
 namespace {
 
-// Refuses panels that do not fit before any is made.
+// Throws, before any panel is allocated, if the panels do not fit in memory.
 void check_memory(const Scene& scene, const Workspace& w, const DerivativeRequest& request) {
-  constexpr int kPanels = 2;  // the columns in the island's order, and in that of a factor
+  constexpr int kPanels = 2;  // right-hand sides in the island's order, and in a factor's
   double numbers = 0;
   for (const auto& d : w.islands) {
     if (d->answered_by(d->bodies.get()))
@@ -160,7 +159,7 @@ namespace {
 void release(IslandWork& d) {
   d.derivatives = {};
   if (d.robots && !d.robots->solves)
-    d.robots.reset();  // made for derivatives
+    d.robots.reset();  // constructed only for derivatives
   else if (d.robots)
     d.robots->derivatives.reset();
   d.matrix.rows.reset();

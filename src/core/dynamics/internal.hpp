@@ -1,5 +1,4 @@
 #pragma once
-// Steps of solve and differentiate.
 
 #include <algorithm>
 #include <cmath>
@@ -11,19 +10,19 @@
 
 namespace manycontact::internal {
 
-/// Solves after `begin`. prescribed: accelerations that rows of f are asked for, or none.
+/// Solves a prepared scene. prescribed: required accelerations of constraint rows, in f's order; empty: zero.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                              SceneData& data, std::span<const double> prescribed = {});
-/// prepare, of a scene already checked.
+/// Prepares a scene that check_scene has accepted.
 void prepare_checked(const Scene& scene, SceneData& data);
-/// The islands of the scene's own contacts, where prepare left them out for a reduction.
+/// Sets up the islands of the scene's own contacts, which prepare leaves out if it uses a reduction.
 void prepare_islands(const Scene& scene, const SceneData& data);
-/// Why this island's input cannot be used, kNone if it can.
+/// Returns why this island's input cannot be used; kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
-/// An island's report as it is before it is solved; keeps the memory of its list.
+/// Resets an island's report to its state before a solve; keeps the capacity of dependent_rows.
 void reset(IslandReport& report, const Island& island);
-/// report.dependent_rows, of rows of the island's J that depend on others: numbered as data.f has them.
+/// Sets report.dependent_rows from `rows` of the island's J, renumbered as in data.f.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
 /// The acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
@@ -31,7 +30,7 @@ inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) 
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where ContactData::left of a contact goes; nullptr: it is no pair.
+/// Returns where ContactData::left of a contact is stored; nullptr if the contact is no pair (reduction.hpp).
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
@@ -40,14 +39,13 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
 }
 
-/// The scratch of products, made where there is none yet.
+/// Returns the workspace of products; constructs it at the first call.
 inline ProductWork& products_of(const Scene& scene, Workspace& w) {
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
   return *w.products;
 }
 
-/// Calls use(system) of the system that solved an island; if that returns false, of the whole K, made for it. Returns
-/// false if there is no solution, or neither system succeeds.
+/// Calls use(system) with the system that solved the island, then with the whole K; returns whether one succeeds.
 template <class Use>
 bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
   if (!d.answered) return false;
@@ -55,38 +53,36 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
   return d.answered != &d.matrix && d.matrix.make_current(scene, data, thread) && use(d.matrix);
 }
 
-/// Bounds of the errors by |K^-1| (mathematics.md), into the islands' reports.
+/// Writes error bounds from |K^-1| (mathematics.md) into the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Whether an island's contacts are inconsistent, also relative to the accelerations of its loads: those of torques are
-/// evaluated where the others do not decide.
+/// Whether an island's contacts are inconsistent, also relative to accelerations by gravity or, without it, torques.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
-/// Bytes of derivatives: more than a core can count on in a cache it shares, and need not be written through it.
+/// Size of derivatives [bytes] above which they bypass the cache: more than a core's share of a shared cache.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
 /// Whether derivatives of the current solution have been computed.
 bool has_derivatives(const SceneData& data);
-/// Decides which columns of an island's derivatives, those of out.request, are derivatives with respect to torques.
+/// Sets u_offset, nu and cols, the columns of an island's derivatives with respect to torques, from out.request.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
-/// Sizes and places of an island's blocks.
+/// Sets the sizes and offsets of an island's blocks of derivatives, and zeros them.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Computes the terms of derivatives at the current solution, and writes -dr into the panel out.X, which is laid out,
-/// with any content. AtSolution must be alive.
+/// Computes terms of derivatives, and overwrites out.X, already laid out, with -dr. An AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// |K^-1|_1 of n rows, where solve(x) is x <- K^-1 x. It is exact for a small K, from all its columns, which cost no
-/// more than a factor; else it is an estimate.
+/// Returns |K^-1|_1, K n x n, where solve(x) overwrites x with K^-1 x. For a small K it is exact, from all columns,
+/// which costs no more than a factorization; else it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
-/// Largest residuals r of dynamics rows and of contact rows into the report, relative to the terms they are left of;
-/// those of contacts at least to gravity, or a scene at rest would have rounding compared with rounding.
+/// Reports the largest residuals r of dynamics rows and of contact rows, relative to their terms. Contact residuals are
+/// relative to gravity at least: at rest, rounding errors would be compared with rounding errors.
 inline void report_residuals(const Scene& scene, const double (&r)[2], const double (&scale)[2], IslandReport& report) {
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
   report.contact_terms = scale[1];
 }
-/// Writes the bounds into the report, and its status where they leave nothing of the solution.
+/// Reports the error bounds; where they exceed the solution, the status becomes kRegularised.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();
   report.error_forces = f.relative();
@@ -129,7 +125,7 @@ void gather(const Scene& scene, const std::vector<int>& f_offset, const KktPatte
   });
 }
 
-/// The largest of an island's forces, by size; NaN where one is.
+/// Returns the largest absolute entry of an island's forces; NaN if one is NaN.
 inline double largest_force(const Scene& scene, const std::vector<int>& f_offset, const Island& island,
                             const Eigen::VectorXd& f) {
   double out = 0;

@@ -28,8 +28,7 @@ namespace {
 
 void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
 
-// Calls product(system) of the system that solved an island, or of its whole K, for each island that no batch of robots
-// alone serves. Calls refused(island) where neither succeeds.
+// Calls product(system) per island outside SIMD batches: the solving system, else the whole K; if both fail, refused.
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
@@ -45,7 +44,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_not_prescribed(scene, data, function);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
-  for (const auto& d : w.islands) {  // memory, by this thread
+  for (const auto& d : w.islands) {  // allocates memory, in the calling thread
     if (!d->answered || d->served_in_lanes()) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
@@ -56,7 +55,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   (void)internal::products_of(scene, w);
 }
 
-// All robots, as an island has them.
+// Adds the directional derivative of the applied torques to dtau, for the robots of all islands. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv,
                          const double* dw, Eigen::VectorXd& dtau) {
   const Workspace& w = *data.workspace;
@@ -66,7 +65,7 @@ void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector&
                         w.applied->threads.front().scratch, dtau.data());
 }
 
-// Overwrites ww, which may be nullptr.
+// Adds the adjoint products of the applied torques to wq and wv, and overwrites ww, which may be nullptr.
 void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::VectorXd& wtau,
                          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, double* ww) {
   const Workspace& w = *data.workspace;
@@ -111,7 +110,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
       });
 }
 
-// ww: nullptr where it is not asked for.
+// ww: nullptr if not requested.
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu, double* ww) {
   internal::check_not_prescribed(scene, data, "vjp");

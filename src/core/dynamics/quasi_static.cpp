@@ -15,9 +15,8 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// The sizes of the loads on a robot's coordinates. Those of gravity g on a mass m that a joint moves are at most
-// |g| sqrt(m M_ii), by the inequality of Cauchy and Schwarz. applied: those of wrenches and springs, per coordinate of
-// the scene.
+// Returns bounds of the loads on a robot's coordinates. Gravity g on the mass m that a joint moves loads it by at most
+// |g| sqrt(m M_ii) (Cauchy-Schwarz). applied: torques of wrenches and springs, per coordinate of the scene.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;
@@ -34,8 +33,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
   return out;
 }
 
-// left: the loads minus the torques and contact forces found, nv. A coordinate counts where more of it is left than
-// rounded numbers of a file explain, relative to the sizes of its loads.
+// left: loads minus torques and forces found (nv). Above 1e-6 of the loads it is not due to rounded numbers in files.
 std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
                                           const Eigen::VectorXd& left) {
   constexpr double kRounded = 1e-6;
@@ -73,7 +71,7 @@ Eigen::SparseMatrix<double> selection(const Scene& scene) {
   return S;
 }
 
-// unbalanced: also set, unless it is nullptr.
+// unbalanced: output, or nullptr.
 Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                                    const Eigen::SparseMatrix<double>& B, SceneData& data,
                                    std::vector<Unbalanced>* unbalanced) {

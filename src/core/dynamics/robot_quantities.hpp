@@ -1,6 +1,5 @@
 #pragma once
-// Terms of the equations M a + h = tau of one robot: for doubles, for packs of robots in a SIMD batch, and for the
-// truth in wider scalars.
+// Terms of one robot's equations M a + h = tau, in doubles, packs of SIMD batches, and wider scalars (truth/).
 
 #include <limits>
 
@@ -10,7 +9,7 @@
 
 namespace manycontact {
 
-/// Memory for one model; M is the caller's: packed, or in the slots of a larger matrix.
+/// Workspace of one model. The caller stores M, packed or in the slots of a larger matrix.
 template <class S>
 struct RobotQuantities {
   explicit RobotQuantities(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
@@ -23,7 +22,7 @@ struct RobotQuantities {
 
 namespace internal {
 
-/// Motions, and h = ID(q, v, 0). base: as for forward_kinematics.
+/// Computes motions, and h = ID(q, v, 0). base: as for forward_kinematics.
 template <class S, class B>
 void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
                    const Vec3<double>& gravity, RobotQuantities<S>& r) {
@@ -32,8 +31,7 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
   inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
 }
 
-/// The inertia m about a joint's column J, of bodies whose composite inertia is Y; zero where that is no more than
-/// their rounding.
+/// Returns the entry m = M_ii of column J and composite inertia Y, or zero if m is within its rounding error.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   double eps = std::numeric_limits<double>::epsilon();
@@ -43,9 +41,8 @@ S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   return select(absolute(m) <= rounding * terms, S(0), m);
 }
 
-/// M. A coordinate whose inertia is no more than rounding of its bodies', as that of a point mass on the joint's axis,
-/// has none. No pivot shows that: it may have nothing to cancel with. slot: where each entry goes, nullptr: packed
-/// (detail/algorithm/crba.hpp).
+/// Computes M. A coordinate whose inertia is within rounding error, e.g. a point mass on the joint's axis, gets zero.
+/// Pivots need not reveal this, as nothing may cancel. slot: where entries are stored; nullptr: packed (crba.hpp).
 template <class S>
 void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
   if (slot)

@@ -50,7 +50,7 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// One island, by sparse-bodies where that was chosen, and by the whole K.
+// Solves one island, by sparse-bodies if that was chosen, else or if it refuses by the whole K.
 void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   const auto solve_by = [&](IslandSystem* system) {
@@ -58,7 +58,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
     d.answered = system;
     return true;
   };
-  // The views of the terms show them even where the input is refused.
+  // Views show the terms even if the input is refused.
   if (!d.bodies) evaluate_at_state(scene, data, d);
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
@@ -79,7 +79,7 @@ void solve_left(const Scene& scene, SceneData& data) {
   });
 }
 
-// The islands of several robots: each makes use of all threads.
+// Solves islands of coupled robots robot by robot; each island uses all threads.
 void solve_joined(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
@@ -89,7 +89,7 @@ void solve_joined(const Scene& scene, SceneData& data) {
   }
 }
 
-// Reports the islands that were solved in double, though the options ask for less.
+// Reports the islands that were solved in double precision although the options request single.
 void tell_precision(SceneData& data) {
   if (data.workspace->options.precision != Precision::kSingle) return;
   for (IslandReport& report : data.report.islands)
@@ -120,7 +120,7 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 
 namespace {
 
-// Checks what every solve is given, u or tau by its name and size, and prepares.
+// Checks the inputs of a solve (u or tau, by name and size), and prepares the scene.
 void begin(const char* function, const Scene& scene, const ConstVector& q, const ConstVector& v, const char* name,
            const ConstVector& torques, int size, SceneData& data) {
   check_scene(scene, data, function);
@@ -146,7 +146,7 @@ void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v,
   w.q = q;
   add_applied_forces(scene, data, w.q.data(), data.v.data(), data.tau.data());
   data.report.method = data.options.method;
-  ++w.state;  // never given twice, whatever became of the solve that had it
+  ++w.state;  // unique, even if an earlier solve failed
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->deficient = false;
 }
 

@@ -50,7 +50,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
 
 namespace {
 
-// out -= dtau_s/dq, row by row.
+// Subtracts dtau_s/dq from `out`, row by row. tau_s: torques of wrenches and springs.
 void subtract_applied(const Scene& scene, const Island& island, StaticTorque& s,
                       Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
   if (!has_applied_forces(scene)) return;

@@ -9,7 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// x of the current solution, in the order of elimination.
+// Returns x = [a; y] of the current solution in elimination order.
 std::vector<double> given_solution(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();
@@ -19,9 +19,9 @@ std::vector<double> given_solution(const Scene& scene, const SceneData& data, co
   return x;
 }
 
-// D, such that the largest entry of each row of D K D is about 1.
+// Returns D such that the largest entry of each row of D K D is about 1.
 std::vector<double> equilibration(const sparse::UpperCsc& A, const std::vector<double>& values) {
-  constexpr int kSweeps = 5;  // each halves the logarithms
+  constexpr int kSweeps = 5;  // each halves the logarithms of the row maxima
   std::vector<double> D(A.n, 1.0), rows(A.n);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     std::ranges::fill(rows, 0.0);
@@ -55,7 +55,7 @@ SystemQuality quality_of(const Scene& scene, const SceneData& data, MatrixSystem
   const std::vector<double> x = given_solution(scene, data, m);
   std::vector<double> r(n), scale(n);
   sparse::residual(m.K.pattern->K, m.K.values.data(), x.data(), m.v.b.data(), r.data(), scale.data());
-  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // least squares leave that
+  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // least squares cannot reduce this component
   const double norm = internal::norm_of(m);
   using sparse::largest;
   SystemQuality out;

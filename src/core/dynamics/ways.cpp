@@ -1,5 +1,3 @@
-// The ways to solve an island, as a list (solve.cpp, systems/matrix/fallbacks.cpp).
-
 #include "internal.hpp"
 #include "manycontact/dynamics/shapes.hpp"
 

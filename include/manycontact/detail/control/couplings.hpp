@@ -6,8 +6,8 @@
 // wrench w as a separate variable, in world axes about a fixed point (A's current origin). A subproblem then depends on
 // its own state and on the wrenches on it, and on nothing else:
 //
-//     dx_i' = A_i dx_i + B_i [du_i; dw]           of a node of the robots of subproblem i (its own contacts solved
-//     there) sum over both ends i of a coupling:  C_i dx_i + D_i [du_i; dw] = 0       r2 = J a + a0 + delta f = 0
+//     dx_i' = A_i dx_i + B_i [du_i; dw]                              subproblem i, its own contacts solved
+//     sum over both ends i of a coupling:  C_i dx_i + D_i [du_i; dw] = 0      r2 = J a + a0 + delta f = 0
 //
 // C_i, D_i are the contributions of subproblem i to the coupling's rows, relative acceleration of its frames and
 // stabilisation:

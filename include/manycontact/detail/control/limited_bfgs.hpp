@@ -34,7 +34,7 @@ class LimitedBfgs {  // An inverse Hessian estimated from gradients.
  private:
   struct Pair {
     Vectors s, y;
-    double curvature = 0, a = 0;  // s^T y; of the first loop
+    double curvature = 0, a = 0;  // s^T y; coefficient a_i of the first loop
   };
   Pair& newest(std::size_t i) { return pairs_[(next_ + pairs_.size() - 1 - i) % pairs_.size()]; }
   const Pair& newest(std::size_t i) const { return pairs_[(next_ + pairs_.size() - 1 - i) % pairs_.size()]; }

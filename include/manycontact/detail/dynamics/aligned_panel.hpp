@@ -1,5 +1,4 @@
 #pragma once
-// A row-major matrix whose first row starts at the beginning of a cache line.
 
 #include <memory>
 #include <new>

@@ -13,7 +13,7 @@ inline void torques_of_motors(const Scene& scene, const ConstVectorRef& u, Eigen
     for (int k = 0; k < robot.model->nu(); ++k) tau[robot.idx_v + robot.model->actuated[k]] = u[robot.idx_u + k];
 }
 
-/// Returns one flag per contact: whether the scene has it active.
+/// Returns one flag per contact: whether it is active in the scene.
 inline std::vector<char> active_contacts(const Scene& scene) {
   std::vector<char> active;
   for (const Contact& contact : scene.contacts) active.push_back(contact.active);

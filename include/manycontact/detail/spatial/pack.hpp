@@ -74,14 +74,14 @@ struct Pack {
   Real v;
 
   Pack() = default;
-  // Written out, or vectors of packs are copied as bytes, in pieces that a load of a whole pack then waits for.
+  // Explicit: compilers would copy packs bytewise, and a following load of the whole pack would stall.
   [[gnu::always_inline]] Pack(const Pack& b) : v(b.v) {}
   [[gnu::always_inline]] Pack& operator=(const Pack& b) {
     v = b.v;
     return *this;
   }
-  Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit, as a number's conversion is
-  /// Converts a pack of the other element, and rounds where that is the wider one.
+  Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit conversion is intended
+  /// Converts a pack of the other element type, rounding if that is wider.
   template <class Other>
     requires(!std::is_same_v<Other, E>)
   explicit Pack(const Pack<W, Other>& b) {
@@ -127,7 +127,7 @@ struct Pack {
   }
   friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + std::numeric_limits<Bits>::max()))); }
   friend Pack abs(Pack a) { return absolute(a); }
-  /// The larger; b where they do not compare.
+  /// Returns the larger of a and b; b if they do not compare (NaN).
   [[gnu::always_inline]] friend Pack larger(Pack a, Pack b) {
     if constexpr (W == 1) return of(a.v > b.v ? a.v : b.v);
 #ifdef __SSE2__
@@ -146,7 +146,7 @@ struct Pack {
     return select(a > b, a, b);
   }
 
-  /// a b + c
+  /// Returns a b + c.
   [[gnu::always_inline]] friend Pack multiply_add(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
     if constexpr (W == 1 && kDouble) return of(__builtin_fma(a.v, b.v, c.v));
@@ -162,7 +162,7 @@ struct Pack {
 #endif
     return of(a.v * b.v + c.v);
   }
-  /// c - a b, rounded as multiply_add(-a, b, c) is.
+  /// Returns c - a b, rounded as multiply_add(-a, b, c).
   [[gnu::always_inline]] friend Pack subtract_product(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
     if constexpr (W == 1 && kDouble) return of(__builtin_fma(-a.v, b.v, c.v));
@@ -203,7 +203,7 @@ struct Pack {
 };
 
 namespace detail {
-/// One step of a transposition: of blocks of H x H among 2H x 2H, the off-diagonal ones change places.
+/// Exchanges the off-diagonal H x H blocks of each 2H x 2H block: one step of a transposition.
 template <int H, int W, class E>
 inline void exchange(Pack<W, E>* x) {
   typename Pack<W, E>::Int low, high;
@@ -234,12 +234,11 @@ inline void transpose(Pack<W, E>* x) {
   if constexpr (W > 1) detail::exchange<W / 2>(x);
 }
 
-/// Angles up to which sin_cos is good to one unit in the last place; beyond, it gives NaN.
+/// Largest angles for which sin_cos is accurate to one unit in the last place; larger ones give NaN.
 inline constexpr double kLargestAngle = 1e6, kLargestFloatAngle = 1e3;
 
 namespace detail {
-/// s and c of an angle from those of its remainder, by the quadrant that the remainder was taken in; NaN where the
-/// angle is not known.
+/// Computes s and c of an angle from those of its remainder, and the remainder's quadrant; NaN where not `known`.
 template <int W, class E>
 [[gnu::always_inline]] inline void turn(typename Pack<W, E>::Int quadrant, typename Pack<W, E>::Mask known,
                                         Pack<W, E> sine, Pack<W, E> cosine, Pack<W, E>& s, Pack<W, E>& c) {
@@ -260,12 +259,13 @@ template <int W, class E>
 }
 }  // namespace detail
 
-/// Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun, 1993), without branches.
+/// Computes sine and cosine. Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun,
+/// 1993), without branches.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
   using P = Pack<W>;
   using Int = typename P::Int;
-  // n = round(2 angle/pi), in the low bits of a number shifted past its last place; angle - n pi/2 = y + tail
+  // n = round(2 angle/pi), which is also in the low bits of `shifted`; angle - n pi/2 = y + tail
   const P shift = 6755399441055744.0;  // 1.5 * 2^52
   const P shifted = angle * P(6.36619772367581382433e-01) + shift;
   const P n = shifted - shift;
@@ -290,8 +290,8 @@ template <int W>
   detail::turn(quadrant, absolute(angle) <= P(kLargestAngle), sine, cosine, s, c);
 }
 
-/// The same for floats, good to two units in the last place. Source: Cephes' sinf.c, cosf.c (Moshier), with three steps
-/// of reduction.
+/// Does the same for floats, accurate to two units in the last place. Source: Cephes' sinf.c, cosf.c (Moshier), with
+/// three steps of reduction.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W, float> angle, Pack<W, float>& s, Pack<W, float>& c) {
   using P = Pack<W, float>;
@@ -308,8 +308,7 @@ template <int W>
   detail::turn(quadrant, absolute(angle) <= P(kLargestFloatAngle), sine, cosine, s, c);
 }
 
-/// Sines and cosines of `count` angles of one robot. As many are computed at a time as the SIMD level has elements,
-/// each as by sin_cos.
+/// Computes sines and cosines of `count` angles of one robot, as many at a time as the SIMD level has elements.
 template <int count, class E>
 inline void sin_cos(const Pack<1, E>* angle, Pack<1, E>* s, Pack<1, E>* c) {
 #if defined __AVX512F__

@@ -1,7 +1,6 @@
 #pragma once
-// Small products from which everything else is made, each a chain of multiply_add. For packs of robots the fusing of
-// products and sums is explicit, since the compiler would decide it for each width separately. The functions are always
-// inlined: calls would pass packs through memory.
+// Small products, each a chain of multiply_add. Fusing is explicit, since the compiler would decide it per pack width.
+// The functions are always inlined, as calls would pass packs through memory.
 
 #include "manycontact/spatial/scalar.hpp"
 

@@ -1,19 +1,18 @@
 #pragma once
-// How J of one contact changes with q. With s_i the columns of J_l, in A's axes (detail/contact/rows.hpp), and s_i
-// moved along by the joints above it on its own body, while all is seen from A:
+// Derivative of one contact's J with respect to q. The columns s_i of J_l (detail/contact/rows.hpp) move with the
+// joints above them on their own body, and are expressed in A's axes:
 //
 //   ds_i/dq_k = -s_k x s_i   k above A:  where i is above B', or above A but on a joint above k's
 //                            k above B': where i is above B', on k's joint or on one below
 //
-// and zero otherwise. The rows of a world-aligned contact turn with A besides: by turned(th_k, s_i) for every k above
-// A, joints above both bodies included. So J's derivative times a vector takes sums of s_i along the two chains, and
-// its cost is linear in their lengths.
+// and zero otherwise. The rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A,
+// joints above both bodies included; th_k is the axis of k. Products take sums of s_i along two chains, in linear time.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 
-/// Rate of one contact's J, with the rows at the solution.
+/// Computes products with the derivative of one contact's J, from its constraint rows at the solution.
 template <class S>
 class JacobianRate {
   using V6 = Vec6<S>;
@@ -23,8 +22,7 @@ class JacobianRate {
     const std::vector<int>& support;  // support from ContactSupport
     const std::vector<int>& joint;    // joint of each velocity coordinate of its robot
   };
-  /// columns: coordinates of J's columns; chain_a: those of all joints above A, which are first_a + these; kin_a: of
-  /// A's robot.
+  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, from first_a on; kin_a: of A.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),
@@ -85,7 +83,7 @@ class JacobianRate {
     for (int k = begin; k < end; ++k) out += rows_.Jl.col(k) * x[columns_[k]];
     return out;
   }
-  /// use(k, total + sign sum of s_i x_i over the joints before k's) for k = begin, begin + step, ...
+  /// Calls use(k, total + sign sum of s_i x_i over the joints before k's) for k = begin, begin + step, ...
   template <class Y, class Use>
   void each_joint(int begin, int end, int step, V6 total, double sign, const Y& x, Use&& use) const {
     V6 own = V6::Zero();

@@ -1,6 +1,5 @@
 #pragma once
-// Motions and contact rows at the solution's accelerations. Derivatives, their products with vectors and quasi-static
-// torques are computed from them.
+// Motions and contact rows at the solution's accelerations, for derivatives, products and quasi-static torques.
 
 #include "manycontact/contact/products.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
@@ -12,7 +11,7 @@ namespace manycontact {
 
 struct Workspace;
 
-/// Memory of each of a scene's robots or contacts that an island needed; SIMD batches have their own.
+/// Objects per robot or contact of a scene, allocated when an island first needs them; SIMD batches have their own.
 template <class T>
 class OnDemand {
  public:
@@ -29,19 +28,18 @@ class OnDemand {
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Robots of one model take turns in the places of a pool, the islands of a thread being linearised one after the
-/// other, so that these stay in the cache.
+/// Robots of one model share slots of a pool: a thread linearises islands in succession, so slots stay in cache.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
   struct Slot {
     explicit Slot(const Model& model);
-    std::vector<Vec6<double>> a;     // njoints: set by AtSolution, in exchange with kin.a
+    std::vector<Vec6<double>> a;     // njoints: set by AtSolution, swapped with kin.a
     RneaDerivatives rnea;            // set by right_hand_sides
     std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by right_hand_sides
   };
   std::vector<Slot> pool;
-  std::vector<int> place;  // one entry per robot
+  std::vector<int> place;  // slot of each robot in the pool; -1: none
   Slot& of(int robot) { return pool[place[robot]]; }
   const Slot& of(int robot) const { return pool[place[robot]]; }
 
@@ -49,21 +47,20 @@ struct Linearisation {
   OnDemand<ContactDerivatives> derivatives;  // set by right_hand_sides
   std::vector<std::uint64_t> state;          // one entry per contact: the Workspace::state that these terms belong to
 
-  /// Gives the robots of an island places of their own, and its contacts memory, the first time since islands changed.
-  /// By the thread that calls, before others come to these islands. Joint-space terms of the island must be there.
+  /// Assigns slots to the robots of an island, and memory to its contacts, the first time after islands changed. Call
+  /// it before other threads use the island, and after its joint-space terms were allocated.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
-  /// Islands change.
+  /// Frees all slots; call it when islands change.
   void forget_places() { std::fill(place.begin(), place.end(), -1); }
 
  private:
   std::vector<int> model;  // one entry per robot: number of its model
   std::size_t models = 0;
-  std::vector<std::vector<int>> of_model;  // one list per thread and model: its places in the pool
-  std::vector<int> used;                   // one entry per model: places taken by the current island
+  std::vector<std::vector<int>> of_model;  // one list per thread and model: its slots in the pool
+  std::vector<int> used;                   // one entry per model: slots taken by the current island
 };
 
-/// During its lifetime, kin.a of an island's robots are the accelerations of the solution, and the linearisation's
-/// contacts are evaluated at them.
+/// During its lifetime kin.a of an island's robots, and contacts of the linearisation, are at the solution.
 class AtSolution {
  public:
   AtSolution(const Scene& scene, SceneData& data, const Island& island);
@@ -78,11 +75,10 @@ class AtSolution {
 
 namespace internal {
 
-/// The linearisation, made when first needed and fit for the current islands.
+/// Returns the linearisation; constructs it at the first call.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
 
-/// Forces of an island's contacts on its robots' bodies, in their tree frames, into fext(robot)[joint]. contacts: per
-/// contact of the scene, evaluated. f: of the scene.
+/// Writes contact forces on an island's bodies, in tree frames, into fext(robot)[joint]; contacts are evaluated.
 template <class Contacts, class Fext>
 void contact_forces(const Scene& scene, const Island& island, const Contacts& contacts,
                     const std::vector<int>& f_offset, const Eigen::VectorXd& f, Fext&& fext) {

@@ -1,5 +1,3 @@
-// The islands' derivatives as matrices of the scene, dense and sparse.
-
 #include "../internal.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
 
@@ -9,12 +7,11 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// Calls use(value, its row, its column in the scene, variable of differentiation, whether it is a derivative of forces)
-// for each entry of an island's blocks.
+// Calls use(value, row, column in the scene, variable of differentiation, whether it is of forces) for each entry.
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {
-  std::vector<int> v, u, f, w;  // the scene's coordinate of each of the island's
+  std::vector<int> v, u, f, w;  // coordinates in the scene, by the island's
   const auto list = [](std::vector<int>& out) {
     return [&out](int first, int, int n) {
       for (int i = 0; i < n; ++i) out.push_back(first + i);
@@ -43,7 +40,7 @@ void each_entry(const Scene& scene, const SceneData& data, const Island& island,
   each(d.dforces_dw(), f, w, kOfW);
 }
 
-// How many columns there are of each, and rows of forces.
+// Numbers of columns of each variable, and of rows of forces.
 struct Sizes {
   int columns[4], forces;
 };

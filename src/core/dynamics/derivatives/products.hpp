@@ -1,29 +1,28 @@
 #pragma once
-// Steps of products with derivatives before and after the solve: right-hand sides along a direction, and gradients from
-// the adjoint. Vectors are in the scene's coordinates, [a; y] of the scratch.
+// Products with derivatives before and after the solve: right-hand sides along a direction, and gradients from the
+// adjoint. Vectors are in the scene's coordinates; [a; y] is that of `work`.
 
 #include "../workspace/workspace.hpp"
 
 namespace manycontact::internal {
 
-/// Variation of a body that does not move. It is not defined with BodyVariation, because kernels include that header
-/// and must not run code when a program starts.
+/// Variation of a fixed body. It is defined here, as kernels include BodyVariation's header without start-up code.
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 
-/// [a; y] = -dr along (dq, dv, dtau); after the solve x = [da; -df].
+/// Sets [a; y] = -dr along (dq, dv, dtau); take_tangent copies the solution [da; -df] from them.
 void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& p,
                         ProductWork& work);
 void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& work,
                   const TangentProduct& p);
 
-/// [a; y] = [wa; -wf]; after the solve, l = K^-1 [wa; -wf], the gradients w = -(dr)^T l.
+/// Sets [a; y] = [wa; -wf]; pull_back_island computes the gradients w = -(dr)^T l from l = K^-1 [wa; -wf].
 void adjoint_right_side(const Scene& scene, const SceneData& data, const Island& island, const AdjointProduct& p,
                         ProductWork& work);
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& work,
                       const AdjointProduct& p);
 
-/// The products themselves, of an island that was evaluated. solve(work): [a; y] <- K^-1 [a; y].
+/// Computes the product for an island that was evaluated. solve(work): [a; y] <- K^-1 [a; y].
 template <class Solve>
 void tangent_product(const Scene& scene, SceneData& data, const Island& island, const TangentProduct& p,
                      Solve&& solve) {

@@ -2,13 +2,12 @@
 #include "columns.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 
-// The right-hand sides -dr of an island's derivatives, written into its panel.
 
 namespace manycontact::internal {
 
 namespace {
 
-// Terms of an island's derivatives at the last solve: RNEA's and the contacts'.
+// Computes the terms of RNEA's and the contacts' derivatives at the last solve.
 void derivative_terms(const Scene& scene, SceneData& data, const Island& island) {
   Workspace& w = *data.workspace;
   Linearisation& lin = *w.linearisation;
@@ -19,7 +18,7 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island)
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
-    // A body that cannot move may be of a robot of another island: its terms are not read.
+    // A fixed body may belong to a robot of another island: its terms are not read.
     const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
     const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,

@@ -30,8 +30,7 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution may be refined for this scene's equations. With damping all rows count: none may have
-// been dropped.
+// Whether the double solution may be refined for this scene's equations. With damping no row may have been dropped.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -67,8 +66,7 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-// [a; y] <- K^+ [a; y] for the open islands, in the workspace of products. The result is NaN where an island's system
-// fails.
+// Overwrites [a; y] in the workspace of products with K^+ [a; y] for the open islands; NaN if an island's system fails.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
   ProductWork& x = *w.products;
@@ -83,7 +81,7 @@ void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) 
   }
 }
 
-// The step [da; df] of the open islands for residuals e.r_a, e.r, which it overwrites.
+// Overwrites the residuals e.r_a, e.r of the open islands with the step [da; df].
 void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
   SceneData& solved = data.workspace->reduction ? *data.workspace->reduction->data : data;
   const Scene& of = &solved == &data ? scene : data.workspace->reduction->scene;
@@ -96,7 +94,7 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    const bool damped = scene.damping > 0;  // the damping alone takes the inconsistency of the pairs' contacts
+    const bool damped = scene.damping > 0;  // only damping resolves inconsistent contacts of a pair
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
       each_row(scene, data, e, [&](std::size_t c, int, int k) {
@@ -115,7 +113,7 @@ double relative(double change, double size, double vanishing) {
   return change <= vanishing ? 0 : size > 0 ? change / size : 1;
 }
 
-// The largest change of a robot's accelerations, or of a contact's forces, relative to these.
+// Returns the largest change of a robot's accelerations or of a contact's forces, relative to their size.
 double change_of_parts(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Island& island,
                        const OfIsland& of) {
   double out = 0;
@@ -131,7 +129,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   return out;
 }
 
-// State of an island's refinement, judged by the current correction, which is added afterwards.
+// State of an island's refinement, decided from the current correction before it is added.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = solved_island(data, i);
@@ -163,7 +161,7 @@ void open_all(const SceneData& data, ExtendedWork& e) {
   take_part(data, e);
 }
 
-// x, until it does not change any more.
+// Corrects x until it converges.
 void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
   extended::Equations& equations = *e.equations;
   for (open_all(data, e); any_open(e); take_part(data, e)) {
@@ -188,7 +186,7 @@ void take_weights(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   each_row(scene, data, e, [&](std::size_t c, int i, int k) { e.weights[k] = row_unit(scene, scene.contacts[c], i); });
 }
 
-// Forces whose numbers have nothing to do with the contacts' (Knuth's linear congruential generator).
+// Fills f with pseudo-random numbers in [-1, 1) (Knuth's linear congruential generator).
 void take_any_forces(Eigen::VectorXd& f) {
   std::uint64_t state = 1;
   for (double& x : f) {
@@ -197,7 +195,7 @@ void take_any_forces(Eigen::VectorXd& f) {
   }
 }
 
-// Steps of all open islands, until judge(i, of, step) closes each.
+// Repeats `step` for all open islands until judge(i, of, step) closes each.
 template <class Judge, class Step>
 void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const Step& step) {
   for (int k = 0; any_open(e); ++k) {
@@ -213,8 +211,7 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Refuses open islands unless J^T n = 0 in double-double for forces n that double takes for one of J^T's null space:
-// what is left of J^T n is taken from n by K^+ until nothing is, or what no forces of double's rank can take.
+// Refuses open islands unless double-double confirms double's rank: K^+ makes J^T n vanish for random forces n.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());
@@ -235,8 +232,8 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
       });
 }
 
-// Computes the step dy of a projection, in e.r_a: J^T S^2 J dy = g with the gradient g in double-double. Forces z of
-// J^T z = g come first, then S^2 J dy = z. A step from the rest itself would end at the null space of double.
+// Computes in e.r_a the step dy of a projection: J^T S^2 J dy = g with the gradient g in double-double. It solves J^T z
+// = g for forces z, then S^2 J dy = z. A step from the rest itself would only reach the null space in double.
 void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.equations->gradient_of_rest(part_of(e), e.r_a.data());
   e.r.setZero();
@@ -246,8 +243,8 @@ void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   invert(scene, data, e);
 }
 
-// Projects the rest of open islands by steps of y, until these change no digit of the solution: of forces their own
-// digits, of least-squares residuals those of double-double, since x may be small relative to them.
+// Projects the rest of open islands by steps of y until these change no digit of forces (those of the result) or of
+// least-squares residuals (those of double-double, as x may be small relative to them).
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
@@ -278,7 +275,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
       });
 }
 
-// Opens the islands with redundant rows. Returns whether there are any.
+// Opens the islands with redundant rows; returns whether there are any.
 bool open_dependent(const SceneData& data, ExtendedWork& e) {
   for (OfIsland& of : e.islands) of.open = of.refined && of.projects;
   take_part(data, e);
@@ -291,7 +288,7 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Rows that depend by rounding of the state alone have other solutions, if any, than those of double's rank.
+// Refuses islands whose rows are dependent only by rounding of the state: double-double has another rank.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -307,7 +304,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
     of.refined = may_refine(scene, *data_solved(data).workspace->islands[i], report);
     if (!of.refined) continue;
     of.status = report.status, of.reason = report.reason;
-    if (report.reason == Reason::kUncertain) {  // found by bounds of an earlier call
+    if (report.reason == Reason::kUncertain) {  // set by error bounds of an earlier call
       of.status = report.rank < report.nc ? Status::kRedundant : Status::kOk;
       of.reason = Reason::kNone;
     }
@@ -327,7 +324,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   }
 }
 
-// Computes x of the current solution in `e`. Nothing else changes.
+// Computes x of the current solution in `e`; the solution itself does not change.
 void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
   const Workspace& w = *data.workspace;
   e.state = 0;
@@ -344,9 +341,9 @@ void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
                           data.f_offset};
   e.equations->begin(job, part_of(e), data.a.data(), data.f.data());
   take_dependence(scene, data, e);
-  take_projection(scene, data, extended::Equations::Projected::kResidual, e);  // least squares leave it
+  take_projection(scene, data, extended::Equations::Projected::kResidual, e);  // the least-squares residual
   correct(scene, data, e);
-  take_projection(scene, data, extended::Equations::Projected::kForces, e);  // forces of least norm
+  take_projection(scene, data, extended::Equations::Projected::kForces, e);  // least-norm forces
   open_all(data, e);
   e.equations->round(part_of(e), e.a.data(), e.f.data());
   e.state = w.current;
@@ -375,24 +372,23 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-constexpr double kJustAbove = 1 + 0x1p-20;  // rounding of a distance; of a bound that is to be above 1
+constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; lifts a bound above 1
 
-// The size of a solution, its relative error bound by |K^-1|, and what refinement has found since.
+// Size of a solution, its relative error bound from |K^-1|, and the distances that refinement found.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
-  bool extended;  // the bound is that of the scene as read
-  // A bound of the error is the sum of the distance to x and of the errors of x. These are the last correction, of
-  // which a part remains or which shows rounding errors of double-double, and a share of the bound by |K^-1|. Values
-  // that underflow have no second double.
+  bool extended;  // whether the bound is that of an extended solution
+  // Bounds the error by the distance to x plus the error of x: the last correction, of which a part or rounding errors
+  // of double-double may remain, and a share of the bound from |K^-1|. Values that underflow have no second double.
   double error() const {
-    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;  // part of the bound by |K^-1|
+    const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;
     return kJustAbove * distance + 64 * last +
            (tolerance::kReadRounding + share * by_inverse) * std::max(size, size_before) +
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
-  // The digits of a double solution that vanishes relative to the loads are rounding errors.
+  // Whether the digits of a double solution are rounding errors, as it vanishes relative to the loads.
   bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
 };
 

@@ -1,8 +1,7 @@
 #pragma once
-// The precision `extended`, and bounds of the errors of any solution: a solution in double, of whichever system, is
-// refined with residuals in double-double until a and f do not change any more. The terms of the scene are evaluated in
-// double-double, x = [a; f] is one, and each correction is K^+ r by the system that solved (IslandSystem::invert).
-// Forces of dependent rows are projected so that they have the least norm, in double-double too.
+// Precision `extended`, and error bounds of any solution: a double solution of any system is refined with residuals in
+// double-double until a and f converge. Terms and x = [a; f] are in double-double, and each correction is K^+ r by the
+// system that solved (IslandSystem::invert). Forces of redundant rows are projected to the least norm.
 
 #include <Eigen/Core>
 #include <memory>
@@ -19,17 +18,17 @@ struct SceneData;
 struct ExtendedWork {
   explicit ExtendedWork(const Scene& scene);
 
-  /// The data of one island during refinement, and afterwards for its error bounds.
+  /// Data of one island during refinement, and afterwards for its error bounds.
   struct OfIsland {
-    bool open = false;                    // it is at work
-    bool refined = false;                 // it is to be refined; afterwards: it is
-    bool converged = false;               // x has
-    bool projects = false;                // rows of the island depend on each other
+    bool open = false;                    // whether refinement is in progress
+    bool refined = false;                 // whether it is to be refined, and afterwards whether it was
+    bool converged = false;               // whether x has converged
+    bool projects = false;                // whether rows are dependent and the rest is projected
     double before = 0;                    // size of the last correction
-    double at_rest_a = 0, at_rest_f = 0;  // sizes that vanishing a and f are compared with
-    double size_a = 0, size_f = 0;        // the largest of a and f, as the double solution had them
-    double last_a = 0, last_f = 0;        // the last correction
-    double rest = 0;                      // size of the rest that is projected
+    double at_rest_a = 0, at_rest_f = 0;  // sizes relative to which a and f vanish
+    double size_a = 0, size_f = 0;        // the largest of a and f of the double solution
+    double last_a = 0, last_f = 0;        // largest entries of the last correction
+    double rest = 0;                      // size of the projected rest
     int steps = 0;
     Status status = Status::kOk;  // status of the solution, before its bounds
     Reason reason = Reason::kNone;
@@ -37,22 +36,21 @@ struct ExtendedWork {
 
   std::unique_ptr<extended::Equations> equations;
   std::vector<OfIsland> islands;
-  std::uint64_t state = 0;            // the state that they belong to (Workspace::state)
-  std::vector<int> robots, contacts;  // robots and contacts of the islands at work
-  Eigen::VectorXd a, f;               // x, rounded
-  Eigen::VectorXd r, r_a;             // residuals of the scene
+  std::uint64_t state = 0;            // the state that x belongs to (Workspace::state)
+  std::vector<int> robots, contacts;  // those of the open islands
+  Eigen::VectorXd a, f;               // x, rounded to double
+  Eigen::VectorXd r, r_a;             // residuals of contact rows and of dynamics
   Eigen::VectorXd weights, rest;      // one entry per row of f
-  std::vector<double> damping;        // one entry per contact: the scene's, or none where it was lost in rounding
+  std::vector<double> damping;        // one entry per contact: the scene's damping, or 0 if it was lost in rounding
 };
 
 namespace internal {
 
-/// Refines the current double solution, and takes the result where that converges.
+/// Refines the current double solution, and takes the result for islands where it converged.
 void refine_extended(const Scene& scene, SceneData& data);
 /// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Bounds of errors by the distance to the copy, where that converged, in place of those by |K^-1|, which the report
-/// has. It is to be summarised then.
+/// Replaces the report's bounds by the distance to the refined copy where that converged; does not summarise.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

@@ -1,5 +1,5 @@
-// The equations in double-double, compiled once per level of instructions; nothing of it but the Level is seen by the
-// linker (src/core/simd/levels.cmake). One unit with the templates of the forward path, which are instantiated here.
+// The equations in double-double, compiled once per level of instructions; only the Level is visible to the linker
+// (src/core/simd/levels.cmake). The templates of the forward path are instantiated in this unit.
 
 #include <algorithm>
 #include <optional>
@@ -25,8 +25,7 @@ struct ForceSize {
   double force = 0, moment = 0;
 };
 
-// The data of one robot during refinement: its kinematics at the state, and the motions and forces of its bodies for a
-// vector x.
+// Kinematics of one robot at the state, and motions and forces of its bodies for a vector x.
 struct RobotWork {
   explicit RobotWork(const Model& model)
       : kin(model),
@@ -36,8 +35,8 @@ struct RobotWork {
         sizes(model.njoints()),
         h(model.nv) {}
   Kinematics<S> kin;
-  std::vector<V6> a, f, external;  // njoints: accelerations; forces, and those of contacts
-  std::vector<ForceSize> sizes;    // njoints: of these, scratch
+  std::vector<V6> a, f, external;  // njoints: accelerations; forces, and contact forces
+  std::vector<ForceSize> sizes;    // njoints: magnitudes of contact forces, scratch
   VecX<S> h;
 };
 
@@ -91,7 +90,7 @@ class LevelEquations final : public Equations {
   const std::vector<int>* f_offset_ = nullptr;
   const double* damping_ = nullptr;
   std::vector<std::unique_ptr<RobotWork>> robots_;
-  std::vector<std::optional<ContactData<S>>> contacts_;  // no J
+  std::vector<std::optional<ContactData<S>>> contacts_;  // J is not used
   std::optional<AppliedForces<S>> applied_;
   std::vector<V6> w_;
   VecX<S> q_, v_, tau_;                    // vectors of the scene
@@ -115,7 +114,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_, &weighed_}) x->resize(all);
 }
 
-// Adds friction, springs and external wrenches to the torques given.
+// Adds springs and external wrenches to the torques.
 void LevelEquations::take_applied_forces(const Job& job) {
   if (!job.applied) return;
   if (!applied_) applied_.emplace(job.scene);
@@ -161,7 +160,7 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
   evaluate_residual(part);
 }
 
-// The bodies' accelerations that joint accelerations alone make.
+// Computes the bodies' accelerations due to joint accelerations alone.
 void LevelEquations::motions(const Part& part, const S* a) {
   each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (int i = 0; i < model.njoints(); ++i) {
@@ -174,7 +173,7 @@ void LevelEquations::motions(const Part& part, const S* a) {
   });
 }
 
-// J a of a contact, after motions.
+// Returns J a of a contact; call `motions` first.
 Rows LevelEquations::contact_rows_of_motion(int c) const {
   const Contact& contact = scene_->contacts[c];
   const ContactData<S>& of = *contacts_[c];
@@ -185,7 +184,7 @@ Rows LevelEquations::contact_rows_of_motion(int c) const {
   return of.W * motion;
 }
 
-// Forces of contacts as forces on bodies, in `external`.
+// Writes the contacts' forces on bodies into `external`.
 void LevelEquations::put_forces(const Part& part, const S* f) {
   for (int r : part.robots)
     for (V6& force : robot(r).external) force.setZero();
@@ -198,7 +197,7 @@ void LevelEquations::put_forces(const Part& part, const S* f) {
   }
 }
 
-// torque_ = M a - J^T f of the bodies' accelerations, where `inertial`, and forces on them; but for the armature.
+// Sets torque_ = M a - J^T f, without armature, from the bodies' accelerations (if `inertial`) and forces.
 void LevelEquations::torques(const Part& part, bool inertial) {
   each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (std::size_t i = 0; i < at.f.size(); ++i) {
@@ -214,7 +213,7 @@ void LevelEquations::torques(const Part& part, bool inertial) {
   });
 }
 
-// r = b - K x of all of x: the next correction shows its rounding errors.
+// Computes r = b - K x for the whole x, not an update: the next correction shows its rounding errors.
 void LevelEquations::evaluate_residual(const Part& part) {
   motions(part, a_.data());
   put_forces(part, f_.data());
@@ -293,7 +292,7 @@ void LevelEquations::set_rest(const Part& part, const double* f) {
   each_row(part, [&](Eigen::Index k) { rest_[k] = f[k]; });
 }
 
-// Sizes of the forces that each contact puts on bodies, before any cancel, in `sizes`.
+// Sums the magnitudes of contact forces on each body, before any cancel, in `sizes`.
 void LevelEquations::put_sizes(const Part& part) {
   for (int r : part.robots) std::ranges::fill(robot(r).sizes, ForceSize{});
   const auto put = [&](const Attachment& at, const SE3<S>& M, double force, double moment) {

@@ -1,5 +1,5 @@
 #pragma once
-// Copies between the arrays of robots or contacts and packs S = Pack<W>; rows of contacts whose ends are placed.
+// Copies between arrays of robots or contacts and packs S = Pack<W>; constraint rows between placed frames.
 
 #include <limits>
 #include <memory>
@@ -12,16 +12,16 @@
 
 namespace manycontact::lanes {
 
-/// A kernel: the work of as many robots or contacts as Work's packs have numbers.
+/// Creates a kernel for as many robots or contacts as Work's packs have elements.
 template <class Kernel, class Work, class... Arguments>
 std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {
   return std::make_unique<Work>(arguments...);
 }
 
-/// Casts one robot's numbers to plain numbers: the sparse kernels then take several rows of a column at a time.
+/// Casts packs of one element to plain numbers: the sparse kernels then take several rows of a column at a time.
 template <class E>
 E* as_scalar(Pack<1, E>* x) {
-  return x ? &x->v : nullptr;  // null: there are no numbers
+  return x ? &x->v : nullptr;
 }
 template <class E>
 const E* as_scalar(const Pack<1, E>* x) {
@@ -36,7 +36,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
   return x;
 }
 
-/// The most robots that a SIMD batch has: of floats in the widest registers.
+/// The largest SIMD batch: floats in the widest registers.
 inline constexpr int kMostInBatch = 16;
 
 /// Converts the doubles of two packs to floats, those of `a` first.
@@ -47,8 +47,7 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// to[k] has element l from[l][k] for k < count, rounded if the elements are floats. Elements beyond those given repeat
-/// the last one.
+/// Sets element l of to[k] = from[l][k], k < count, rounded if elements are floats. Surplus elements repeat the last.
 template <int W, class E>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
@@ -86,15 +85,14 @@ template <int W, class E>
     for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
 }
 
-/// Collects one of the pointers that each of `items` has, at(item).
+/// Collects the pointer at(item) of each of `items`.
 template <class P, int N, class Item, class At>
 std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
   return {memory, items.size()};
 }
 
-/// Loads what pairs of contacts have in place of a contact's own numbers, for the contact of each item. `common` are
-/// the numbers that all elements of the batch contain already, or nullptr.
+/// Loads the pair terms of each item's contact. `common`: terms that all elements already contain, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
@@ -119,7 +117,7 @@ void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, con
     load([m](const PairRows& pair) { return pair.numbers->A[m].R.data(); }, own.A[m].R.data(), 12);
 }
 
-/// The largest entry of the row of J whose entries are the smallest, per robot of the SIMD batch.
+/// Returns, per robot of the batch, the largest entry of that row of J whose largest entry is least.
 template <class S>
 S smallest_row(const ContactData<S>& rows) {
   S smallest(std::numeric_limits<double>::infinity());
@@ -131,7 +129,7 @@ S smallest_row(const ContactData<S>& rows) {
   return smallest;
 }
 
-/// Origin of the tree frame that a joint's body is in.
+/// Returns the origin of the tree frame of a joint's body.
 template <class S>
 const WorldPoint<S>& origin_at(const Kinematics<S>& kin, int joint) {
   return kin.origins[kin.tree_of[joint]];
@@ -141,7 +139,7 @@ S* origin_numbers(Kinematics<S>& kin, int joint) {
   return kin.origins[kin.tree_of[joint]].p.data();
 }
 
-/// A contact's frame on its body, in the tree frame of that, and that frame's origin.
+/// A contact's frame in the tree frame of its body, and that tree frame's origin.
 template <class S>
 struct PlacedEnd {
   SE3<S> frame;
@@ -154,7 +152,7 @@ PlacedEnd<S> placed_end(const Attachment& at, const Kinematics<S>& kin, const SE
   return {standing.frame, {standing.origin}};
 }
 
-/// Rows of a contact, its ends placed. on_A, on_B: where its frames are on their bodies; B's in the world is zero.
+/// Evaluates a contact's rows between placed ends. on_A, on_B: frames' positions on their bodies, or zero.
 template <class S>
 void rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                   const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Vec3<S>& on_A, const Kinematics<S>& kinB,

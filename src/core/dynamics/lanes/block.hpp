@@ -1,7 +1,6 @@
 #pragma once
-// A robot as a block of its island's K. If contacts couple it to other robots, the block is bordered by their rows. In
-// the block these contacts are contacts with the world; their rows, the border, come last and are not eliminated
-// (systems/robots/interface.hpp describes the method). A robot that is an island of its own has an empty border.
+// A robot as a block of its island's K, bordered by the rows of contacts that couple it to other robots. In the block
+// these are contacts with the world; their rows come last, without elimination (systems/robots/interface.hpp).
 
 #include <algorithm>
 
@@ -10,20 +9,19 @@
 
 namespace manycontact::lanes {
 
-/// One array per contact that couples the robot to another, for the body that it is on: position and motion of the
-/// body, and the columns of J that move it ...
+/// One array per coupling contact: position and motion of its body, and the columns of J that move it ...
 struct JoinedEnd {  // origin, oMi, v, a, J
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
-/// ... and for derivatives, Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
+/// ... and for derivatives Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// The results in the same memory (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
-/// row-major, D of the robot's own coordinates (JoinTerms).
+/// Results are stored in the same memory (EndForce): the contact's force on the body in the tree frame; the columns of
+/// J_l; and, row-major, D of the robot's own coordinates (JoinTerms).
 
-/// The end of a contact that is fixed to the world or to a base. `frame` is relative to `origin`, in the world's axes.
-/// The origin is the contact's own if it is fixed to the world, and that of the base otherwise.
+/// The end of a contact that is fixed to the world or to a base. `frame` is relative to `origin`, in world axes; the
+/// origin is the contact's own in the world, and the base's otherwise.
 template <class S>
 struct StandingEnd {
   SE3<S> frame;
@@ -35,18 +33,18 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 
-/// Constant; shared by robots of one structure with contacts of one shape.
+/// Constant data shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
-  Scene scene;    // one of these robots and its contacts: first those on it alone, then those that join it
-  Island island;  // all of it
-  int alone = 0;  // contacts on it alone
+  Scene scene;    // one such robot and its contacts: first those on it alone, then those that couple it
+  Island island;
+  int alone = 0;  // number of contacts on it alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
   std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
-  sparse::LdlSchedule bordered;               // schedule of all columns but the border's, where it has one
+  sparse::LdlSchedule bordered;               // schedule of all columns but the border's, if there is one
   std::vector<ContactSupport> supports;
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
-  int border() const { return pattern->size() - inner->size(); }  // rows of the contacts that join it
+  int border() const { return pattern->size() - inner->size(); }  // rows of the coupling contacts
   const sparse::LdlSchedule& schedule() const { return border() > 0 ? bordered : pattern->schedule(); }
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
@@ -60,11 +58,10 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// Size of a robot's memory that is kept between steps: K and b. Its joins follow behind them; from `factor` on, L,
-  /// D, x, w overwrite the joins.
+  /// Size of the memory kept between steps: K, b. The joins follow; `factor` overwrites them with L, D, x, w.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
-  /// Behind all these: WaitingRows' numbers, of so many rows.
+  /// Offset of the memory of WaitingRows, and its size.
   std::size_t waiting_at() const {
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
@@ -76,14 +73,13 @@ struct BlockPlan {
   std::size_t most_waiting() const {
     return std::min(tolerance::kMostWaitingInBatch, static_cast<std::size_t>(rows() - pattern->nv));
   }
-  int rows() const { return inner->size(); }                       // that are eliminated
+  int rows() const { return inner->size(); }                       // eliminated rows
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 
 /// Derivative terms of a contact that couples two robots, in consecutive arrays. Column-major: J and W (rows x cols,
-/// rows x 6), -dr2/dq and -dr2/dv (rows x cols). Row-major, padded to a multiple of eight: D_A and D_B (6 x cols).
-/// These describe, in A's axes, how the contact's force on A's and on B's body changes with a coordinate, relative to a
-/// force fixed to the body.
+/// rows x 6), -dr2/dq and -dr2/dv (rows x cols). Row-major, padded to multiples of eight: D_A and D_B (6 x cols), the
+/// derivative of the contact's force on A and B in A's axes, relative to a force fixed to the body.
 struct JoinTerms {
   double* J;
   int rows, cols;
@@ -97,12 +93,12 @@ struct JoinTerms {
   double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
-/// A robot's numbers of its m border rows, one array after the other.
+/// A robot's part of its m border rows, in consecutive arrays.
 struct Border {
-  double* S = nullptr;  // the upper triangle by columns of what its elimination leaves of K
+  double* S = nullptr;  // upper triangle, by columns, of the Schur complement
   int m = 0;
   static std::size_t size(int m) { return static_cast<std::size_t>(m) * (m + 1) / 2 + 5 * m; }
-  double* terms() const { return S + m * (m + 1) / 2; }  // sums of the sizes of terms of S's diagonal
+  double* terms() const { return S + m * (m + 1) / 2; }  // sums of the magnitudes of terms of S's diagonal
   double* b() const { return terms() + m; }              // right-hand side
   double* y() const { return b() + m; }                  // the solution in these rows
   double* r() const { return y() + m; }                  // -G x: the robot's part of the residual

@@ -12,7 +12,7 @@
 
 namespace manycontact::lanes {
 
-/// Evaluates f(k, k mod 4) for k < n: four independent sums, or maxima, that can be computed in parallel.
+/// Evaluates f(k, k mod 4) for k < n, so that four independent sums or maxima are computed in parallel.
 template <class F>
 [[gnu::always_inline]] inline void in_four(std::size_t n, F&& f) {
   std::size_t k = 0;
@@ -30,22 +30,22 @@ struct FourSums {
   S total() const { return (of[0] + of[1]) + (of[2] + of[3]); }
 };
 template <class S>
-struct FourLargest {  // maximum of numbers that are not negative
+struct FourLargest {  // maximum of non-negative numbers
   S of[4] = {S(0), S(0), S(0), S(0)};
   void take(int c, S x) { of[c] = larger(x, of[c]); }
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors: what floats have to leave more than doubles of a pivot or a row, and of two pivots in turn.
+/// Factors on the thresholds of doubles for pivots and rows (kLeft), or two successive pivots (kPassedOn), in floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
 inline constexpr double kPassedOn = std::is_same_v<typename S::Element, float> ? tolerance::kSinglePassedOn : 1;
 
-/// Input is finite, quaternions have unit length.
+/// Whether input is finite and quaternions have unit length.
 template <class S>
 typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S>& v, const VecX<S>& tau) {
-  FourSums<S> sum;  // finite numbers times zero are zero
+  FourSums<S> sum;  // zero times a number that is not finite is NaN
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
   constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
@@ -58,14 +58,12 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Judges the pivots of one elimination, in its order. passed_on_more: factor by which the threshold for two successive
-/// pivots exceeds that of doubles.
+/// Accepts or rejects one elimination's pivots. passed_on_more: factor on the threshold of two successive pivots.
 template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot is more than `margin` times its rounding error. Rejected pivots do not affect the
-  /// thresholds of later ones. diagonal: K_kk of its row k.
+  /// Whether the next pivot exceeds `margin` times its rounding error; rejected ones have no effect. diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
     rank::PassedOn<S> next = passed_on_;
@@ -81,7 +79,7 @@ class PivotJudge {
   rank::PassedOn<S> passed_on_;
 };
 
-/// The componentwise backward error (sparse/refine.hpp) of residuals and the sizes of their terms; NaN where any is.
+/// Returns the componentwise backward error (sparse/refine.hpp) of residuals r with terms of size `scale`, or NaN.
 template <class S>
 S componentwise_error(std::span<const S> r, const S* scale) {
   FourLargest<S> largest, error;
@@ -96,12 +94,12 @@ S componentwise_error(std::span<const S> r, const S* scale) {
   return error.total() + sum.total() * S(0);
 }
 
-/// sparse/refine.hpp of several at once, each as if it stood alone.
+/// Iterative refinement (sparse/refine.hpp) of all elements of a batch, each independently.
 template <class S>
 struct Refinement {
-  S steps = S(0), error, first;  // corrections made; backward errors, the last and that before the first step
+  S steps = S(0), error, first;  // corrections made; the last backward error, and the one before the first step
 
-  /// correct(open): x += A^-1 r in the elements that are open; returns the error of all.
+  /// correct(open): sets x += A^-1 r in the open elements, and returns the error of all.
   template <class Correct>
   Refinement(typename S::Mask usable, S error_of_x, Correct&& correct, int most = tolerance::kRefinementSteps)
       : error(error_of_x), first(error_of_x) {
@@ -115,7 +113,7 @@ struct Refinement {
   }
 };
 
-/// The largest residual of some rows, and the largest size of the terms it is left of.
+/// The largest residual of some rows, and the largest magnitude of their terms.
 template <class S>
 struct Largest {
   S r, scale;
@@ -123,7 +121,7 @@ struct Largest {
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
       : Largest(
             least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
-  /// Computes the maximum over the first `count` rows.
+  /// Takes the first `count` rows.
   Largest(S least_scale, std::size_t count, const S* residual, const S* size)
       : Largest(
             least_scale, count, [](std::size_t k) { return k; }, residual, size) {}
@@ -139,8 +137,7 @@ struct Largest {
   double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
 };
 
-/// Growth of K's entries (kkt/factor/pivots.hpp): the largest of the pivots' terms and of K's diagonal, entry(k) =
-/// K_kk.
+/// Growth of K's entries (kkt/factor/pivots.hpp): the largest terms of pivots and diagonal entry(k) = K_kk.
 template <class S>
 struct Growth {
   S terms, diagonal;

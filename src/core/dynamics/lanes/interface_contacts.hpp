@@ -73,10 +73,10 @@ class InterfaceContactsOf final : public InterfaceContacts {
   }
 
  private:
-  // Terms of the robot at one end that the rows need, and the contact's frame there.
+  // Terms of one end's robot that the contact's rows need, and the contact's frame there.
   struct End {
     Kinematics<S> kin;
-    std::vector<std::pair<int, int>> stretches;  // ranges of coordinates: begin, end
+    std::vector<std::pair<int, int>> stretches;  // ranges [begin, end) of coordinates
     SE3<S> on_body;
     RneaDerivativesOf<S> rnea;  // only its Psid, Psidd, Sv are used
 
@@ -88,7 +88,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
     }
     std::array<Mat6X<S>*, 1> joined() { return {&kin.J}; }
     std::array<Mat6X<S>*, 4> moving() { return {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv}; }
-    // columns: those of JoinedEnd, or of MovingEnd.
+    // Loads one end per row. columns: those of JoinedEnd, or of MovingEnd.
     template <class Row, class Of>
     void load(std::span<Row> rows, int joint, std::span<Mat6X<S>* const> columns, Of&& end) {
       const double* from[8];
@@ -120,7 +120,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
                     B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }
 
-  // JoinTerms, of rows_ and terms_.
+  // Collects JoinTerms from rows_ and terms_.
   void collect(int n) {
     const int a = static_cast<int>(support_.a.size()), cols = support_.cols();
     const int ld = JoinTerms::padded(cols);
@@ -151,7 +151,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
   ContactSupport support_;
   End A_, B_;
   ContactData<S> rows_;
-  const PairNumbers<double>* common_pair_ = nullptr;  // the numbers given by load_pair
+  const PairNumbers<double>* common_pair_ = nullptr;  // terms that all elements share, or nullptr (load_pair)
   ContactDerivativesOf<S> terms_;
   VecX<S> f_;
   std::vector<S> out_;

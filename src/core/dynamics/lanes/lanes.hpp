@@ -1,7 +1,6 @@
 #pragma once
-// SIMD batches of robots of one structure (Model::structure): the same instructions work on 2, 4 or 8 of them. The
-// kernels are compiled for several levels of instructions and chosen when the program runs. A robot's numbers do not
-// depend on its place in the batch, nor on the other robots there.
+// SIMD batches of 2, 4 or 8 robots of one structure (Model::structure). Kernels are compiled for several instruction
+// levels; one is chosen at run time. A robot's results do not depend on its place in the batch or the other robots.
 
 #include <algorithm>
 #include <array>
@@ -19,31 +18,30 @@
 
 namespace manycontact::lanes {
 
-/// Inputs of a solve and places of its solution, in the scene's coordinates. serial: of the solution, in all jobs.
+/// Inputs of a solve, and where its solution is written, in the scene's coordinates. serial: number of the solution.
 struct Job {
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;               // one entry per contact
-  const double* prescribed;                       // prescribed accelerations of the rows, as f; nullptr: zero
-  double *a, *f;                                  // the robots' parts are written where the solution is sound
+  const double* prescribed;                       // prescribed row accelerations, as f; nullptr: zero
+  double *a, *f;                                  // written for robots whose solution is sound
   const std::vector<int>* left_offset = nullptr;  // one entry per contact; used for pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
-  const StartOfStep* start = nullptr;             // start of a step of robots alone; v is zero then
+  const StartOfStep* start = nullptr;             // start of a step of single-robot islands; v is zero then
 };
 
-/// Right-hand sides of a robot's panel that are copied out: a column, and where its rows go.
+/// Right-hand side of a robot's panel that is copied out: a column, and the destination of its rows.
 struct Sampled {
   int column;
   double* b;
 };
-/// One robot's columns K_r^-1 [E, B_r], forces with their own sign. A robot alone has no E: its columns are the
-/// derivatives of its island at the solution, X as IslandDerivatives has it.
+/// One robot's columns K_r^-1 [E, B_r] for forces f, not -f; without E, IslandDerivatives::X of its island.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
-  bool refine;                       // once, unless the factor bounds the error of every column
-  std::span<const Sampled> sampled;  // columns of robots joined to others
+  bool refine;                       // refine once, unless the factor bounds the error of every column
+  std::span<const Sampled> sampled;  // columns of coupled robots
 };
 /// The solution, in the scene's coordinates.
 struct Solution {
@@ -53,56 +51,53 @@ struct Solution {
   const std::vector<int>& f_offset;
 };
 
-/// Inputs of derivatives: the solution, the number of columns, and where those of q, v, u begin. E: six columns per
-/// contact that joins the robot, of forces on its body, before all others.
+/// Inputs of derivatives: the solution, the number of columns, and the first columns of q, v, u. E comes before them:
+/// six columns per coupling contact, of forces on the robot's body.
 struct DerivativeJob : Solution {
   DerivativeRequest request;
   int q_first, v_first, u_first, columns;  // columns: a multiple of 8
-  bool non_temporal;                       // panels, together larger than the caches, bypass them
+  bool non_temporal;                       // whether panels, together larger than the caches, bypass them
 };
 
-/// A product with the derivatives at a solution: in and out in the scene's coordinates. jvp: dq, dv, dtau (nv) to da,
-/// df; vjp: wa, wf to wq, wv, wtau.
+/// A product with derivatives, in the scene's coordinates: jvp dq, dv, dtau -> da, df; vjp wa, wf -> wq, wv, wtau.
 struct ProductJob : Solution {
   std::array<const double*, 3> in;
   std::array<double*, 3> out;
 };
 
-/// Result of one island. If it is not sound, the other members are undefined and another system has to solve the
-/// island.
+/// Result of one island. If it is not sound, the other members are undefined and another system must solve the island.
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // report's values
-  // derivatives by the same factor (systems/matrix/panel.cpp): whether they need no check, and whether they are refined
-  // once; whether products need no check
+  // Whether derivatives and products need no check (systems/matrix/panel.cpp), and derivatives one refinement.
   bool panel_is_safe = false, refine_panel = false;
-  std::span<const int> dependent;             // rows that depend on others, in the order of the plan's K
-  rank::Contradiction<double> contradiction;  // set where there are any
+  std::span<const int> dependent;             // dependent rows, in the order of the plan's K
+  rank::Contradiction<double> contradiction;  // set if any row is dependent
 };
 
-/// Steps of a solve of robots of one plan and of what comes after it. A call takes one robot, or of the kernel for a
-/// SIMD batch as many as fit, with contacts that are identical except for placements (`alike`).
+/// Steps for robots of one plan: one, or up to a full SIMD batch with contacts identical except for placements
+/// (`alike`).
 class RobotBlocks {
  public:
   struct Robot {
-    int number;           // number in the scene
-    const int* contacts;  // contacts on it alone, numbers in the scene
-    // only for robots joined to others
-    double* joins = nullptr;  // one per contact that joins it: JoinedEnd, then J's columns on this robot; until factor
+    int number;
+    const int* contacts;  // contacts on it alone, as numbered in the scene
+    // Members of coupled robots only.
+    double* joins = nullptr;  // one JoinedEnd per coupling contact, later J's columns on this robot; valid until factor
     double* ends = nullptr;   // ends for derivatives: MovingEnd, then EndForce
     const double *x = nullptr, *b = nullptr;  // input of check: columns of a panel, rows as the plan's island has them
     Border border = {};
-    // set by the steps
-    bool sound = false;                              // false: another system has to solve
-    double motion = 0;                               // evaluate: of the contacts on it alone
-    double terms = 0, diagonal = 0;                  // factor: the largest of the pivots' and of K's
-    std::span<const int> dependent = {};             // factor: rows that depend on others, in the order of the plan's K
-    double r[2] = {}, scale[2] = {};                 // correct, check: the largest of dynamics rows, contact rows
-    double error = 0;                                // correct, check: componentwise backward error; NaN where any is
+    // Members that the steps set.
+    bool sound = false;                              // false: another system must solve
+    double motion = 0;                               // evaluate: motion scale of the contacts on it alone
+    double terms = 0, diagonal = 0;                  // factor: the largest pivot term and diagonal entry of K
+    std::span<const int> dependent = {};             // factor: dependent rows, in the order of the plan's K
+    double r[2] = {}, scale[2] = {};                 // correct, check: the largest of dynamics rows and of contact rows
+    double error = 0;                                // correct, check: componentwise backward error, or NaN
     rank::Contradiction<double> contradiction = {};  // finish
   };
-  /// Memory of the robots of a batch. next: that of the batch after this one, which is prefetched meanwhile.
+  /// Memory of a batch's robots. next: memory of the following batch, which is prefetched.
   struct Memory {
     double* at;
     const double* next;
@@ -110,42 +105,40 @@ class RobotBlocks {
 
   virtual ~RobotBlocks() = default;
 
-  // Robots alone: islands of their own, solved by LDL of K in the plan's order. Between calls the numbers of those last
-  // met stay: where the next call is about the same ones at the same solution, they are taken from there.
+  // Solves single-robot islands by LDL of K in the plan's order. The terms of the last robots are kept between calls,
+  // and reused by a call for the same robots at the same solution.
   virtual void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) = 0;
 
-  // Robots joined to others, whose numbers are in memory of the caller's.
-  // Memory of one, or for as many as fit where there are several: BlockPlan::memory_size of each, at a cache line's
-  // border.
-  /// The robots' own part of K x = b, and the ends of contacts that join them.
+  // Steps for coupled robots, whose terms are in the caller's memory: BlockPlan::memory_size numbers per robot of the
+  // batch, aligned to a cache line.
+  /// Evaluates the robots' own part of K x = b, and the ends of coupling contacts.
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
-  /// Factorizes K. Then x = 0, and b's contribution to the border is computed.
+  /// Factorizes K, sets x = 0, and computes b's contribution to the border.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// x += K^-1 r, given the border's solution y. Then r = b - K x is computed, with r's contribution to the border.
+  /// Sets x += K^-1 r, given the border's solution y, then r = b - K x and r's contribution to the border.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
-  /// Accelerations, and forces of the contacts on the robots alone.
+  /// Writes accelerations, and the forces of contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
 
-  /// The islands' derivatives, of solutions that were sound and whose panels are safe; or, with their memory, of robots
-  /// joined to others the columns of their own part.
+  /// Computes derivatives of islands with sound solutions and safe panels, or coupled robots' columns of their own
+  /// part.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
-  /// Products with these derivatives, refined once (systems/matrix/matrix.cpp).
+  /// Compute products with these derivatives, refined once (systems/matrix/matrix.cpp).
   virtual void jvp(const ProductJob& job, std::span<Robot> robots) = 0;
   virtual void vjp(const ProductJob& job, std::span<Robot> robots) = 0;
 
-  // Robots coupled to others, as above.
-  /// Call it after factor. Sets another right-hand side: b = [a; -f] of the robots and the contacts on them alone.
+  // More steps for coupled robots.
+  /// Sets another right-hand side b = [a; -f] of the robots and the contacts on them alone. Call it after factor.
   virtual void load(const Job& job, std::span<Robot> robots, double* memory) = 0;
-  /// r = b - K x of columns given with the border's solution y; this overwrites the results of load and correct.
+  /// Computes r = b - K x of given columns and the border's solution y; overwrites the results of load and correct.
   virtual void check(std::span<Robot> robots, Memory memory) = 0;
-  /// After the last correction, if any robot has redundant rows: adds their inconsistency to r and scale.
+  /// Adds the inconsistency of redundant rows to r and scale. Call it after the last correction.
   virtual void finish(std::span<Robot> robots, Memory memory) = 0;
-  /// Computes MovingEnd of each contact that couples the robots to others, at the solution.
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Contacts of one kind that couple two robots: one, or as many as fit in a SIMD batch.
+/// Contacts of one kind that couple two robots: one, or up to a full SIMD batch.
 class InterfaceContacts {
  public:
   struct Rows {
@@ -153,9 +146,9 @@ class InterfaceContacts {
     double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
     double* a0;
     double* left;                 // a pair's ContactData::left
-    double smallest_row, motion;  // sizes of J and of the motions its rows are picked from
+    double smallest_row, motion;  // the smallest row of J, and the motion scale of its rows
   };
-  /// And of derivatives at the solution.
+  /// Memory for derivatives at the solution.
   struct Derivatives {
     const Contact* contact;
     double *A, *B;    // MovingEnd; then EndForce
@@ -164,7 +157,7 @@ class InterfaceContacts {
   };
 
   virtual ~InterfaceContacts() = default;
-  // identical except for placements (`alike_rows`)
+  // The contacts of a call are identical except for placements (`alike_rows`).
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };
@@ -172,36 +165,35 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Solves single-robot islands in single precision. If the condition number leaves fewer than two correct digits
-/// (tolerance::kWorthless), the solution is not sound.
+/// Solves single-robot islands in single precision; sound only with two correct digits (tolerance::kWorthless).
 class SingleBlocks {
  public:
   virtual ~SingleBlocks() = default;
   virtual void solve(const Job& job, std::span<RobotBlocks::Robot> robots, std::span<Answer> answers) = 0;
 };
 struct SingleLevel {
-  int width;  // robots of a batch: twice those of doubles
+  int width;  // robots per batch: twice as many as in doubles
   std::unique_ptr<SingleBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
 };
 
-/// The kernels of a level of instructions for SIMD batches, or those for one robot or contact at a time.
+/// The kernels of an instruction level, for SIMD batches or for one robot or contact at a time.
 struct Level {
-  int width;  // robots in a SIMD batch, or 1
+  int width;
   std::unique_ptr<RobotBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
-  /// contact: any of the kernel's, in its scene.
+  /// contact: any contact of the kernel's kind, in its scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
-  /// For batches alone.
+  /// Returns nullptr if the level is not for SIMD batches.
   std::unique_ptr<SubtreeBatch> (*make_subtrees)(const std::shared_ptr<const SubtreePlan>& plan);
   const SingleLevel& single;
 };
 
-/// A thread's kernels: for one item, and for as many as fit in a SIMD batch, if that was asked for.
+/// A thread's kernels: for one item and, if requested, for a SIMD batch.
 template <class Kernel>
 struct OneOrBatch {
   std::unique_ptr<Kernel> one, batch;
   Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
-  /// For up to so many items at a time. of(level): a new kernel of it.
+  /// Creates the kernels for up to `count` items at a time. of(level): creates one.
   template <class Of>
   void make(std::size_t count, const simd::Level& level, Of&& of) {
     if (!one) one = of(level.one_robot);
@@ -209,13 +201,12 @@ struct OneOrBatch {
   }
 };
 
-/// The one that options ask for; nullptr: none, or it does not run here.
+/// Returns the level that options request; nullptr if they request none or this machine cannot run it.
 const simd::Level* level_of(SimdLevel lanes);
 
 /// Whether contacts of one type on the same joints can share a SIMD batch: they are identical except for placements.
 bool alike_rows(const Contact& x, const Contact& y);
-/// Whether robots of one structure with contacts of one shape on them can share a SIMD batch: the contacts are
-/// identical except for the placements of their ends, on bodies or in the world.
+/// Whether robots of one structure can share a SIMD batch: contacts are identical except for placements of ends.
 bool alike(const Scene& scene, std::span<const int> contacts_x, std::span<const int> contacts_y);
 
 }  // namespace manycontact::lanes

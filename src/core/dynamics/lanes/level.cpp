@@ -1,7 +1,6 @@
-// The kernels of one level of instructions: the forward path once more, in packs. The file is compiled twice per level
-// with that level's flags: for SIMD batches, and for one robot at a time. MANYCONTACT_LEVEL is its name and
-// MANYCONTACT_LANES its width. The linker sees the Level alone (src/core/simd/levels.cmake). Otherwise functions that
-// are shared with the rest of the program, Eigen's and std's, might come from here and meet an older processor.
+// Kernels of one instruction level: the forward path in packs, compiled twice with that level's flags, for SIMD batches
+// and for one robot. MANYCONTACT_LEVEL is the level's name, MANYCONTACT_LANES its width. Only the Level has external
+// linkage (src/core/simd/levels.cmake), as shared functions linked from here would fail on older processors.
 
 #include "interface_contacts.hpp"
 #include "robot_block/alone.hpp"

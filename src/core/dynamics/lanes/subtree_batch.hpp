@@ -29,7 +29,7 @@ class SubtreeBatchOf final : public SubtreeBatch {
 
   std::shared_ptr<const SubtreePlan> plan_;
   const BodyPattern& p_;
-  // the subtree's numbers, BodySystem's and b
+  // the subtree's terms, as in BodySystem, and b
   std::vector<Vec3<S>> r_;
   Mat6X<S> S_, GA_, GB_;
   std::vector<Inertia<S>> Y_, Yc_;
@@ -38,7 +38,7 @@ class SubtreeBatchOf final : public SubtreeBatch {
   // the solution: x = [qdd; y] in K's order, a and f of the bodies
   std::vector<S> K_, L_, D_, terms_, x_, step_;
   std::vector<Vec6<S>> a_, f_;
-  std::vector<S> b_, left_, scale_;  // b, b - K x in K's order, and the sizes of its terms
+  std::vector<S> b_, left_, scale_;  // b, b - K x in K's order, and the sizes of the terms of b - K x
   Mask usable_;
 };
 
@@ -115,8 +115,7 @@ void SubtreeBatchOf<S>::load(std::span<const Subtree> subtrees) {
   given(p_.nc, g_.data(), [](const BodyVectors& b) { return b.rows.data(); });
 }
 
-/// Writes M into K: for a coordinate k and those above it, M_kj = S_j^T F_k, where F_k = Yc S_k is transformed to the
-/// ancestors.
+/// Writes M into K: M_kj = S_j^T F_k for coordinates j above k, with F_k = Yc S_k transformed to their nodes.
 template <class S>
 void SubtreeBatchOf<S>::assemble_inertia() {
   const int* slot = plan_->M_slot.data();
@@ -138,8 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns true where every row moves some coordinate by more than rounding errors, which pivots do
-/// not show.
+/// Writes J into K. Returns true where every row moves a coordinate by more than rounding; pivots do not show this.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();
@@ -147,7 +145,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   for (int row = 0; row < p_.nc; ++row) {
     Mask moves = S(0) < S(0);
     const auto climb = [&](int node, Vec6<S> G) {
-      Vec6<S> sizes = G.cwiseAbs();  // sizes of G's terms, while asked for
+      Vec6<S> sizes = G.cwiseAbs();  // magnitudes of G's terms, until every element moves
       for (; node != plan_->meeting[row]; node = p_.parent[node]) {
         for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
           const S J = dot(S_.col(j), G);
@@ -167,8 +165,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   return all_move;
 }
 
-/// a of the bodies from qdd, f of the joints from a and y, and what that leaves of the equations of joints and rows: b
-/// where x is zero.
+/// Computes the bodies' a from qdd, the joints' f from a and y, and the residual, which is b for x = 0.
 template <class S>
 void SubtreeBatchOf<S>::act() {
   for (int i = 0; i < p_.nodes; ++i) {
@@ -197,7 +194,7 @@ void SubtreeBatchOf<S>::act() {
   }
 }
 
-/// x += K^-1 r in the elements that are open; r = b - K x, and its size relative to |b| + |K| |x|; NaN where any is.
+/// Sets x += K^-1 r in the open elements and r = b - K x. Returns r relative to |b| + |K| |x|, or NaN.
 template <class S>
 S SubtreeBatchOf<S>::correct(Mask open) {
   step_ = left_;
@@ -212,7 +209,7 @@ void SubtreeBatchOf<S>::store(const Refinement<S>& refined, std::span<Subtree> s
   const std::size_t nv = static_cast<std::size_t>(p_.nv), nc = static_cast<std::size_t>(p_.nc);
   const Largest<S> dynamics(0, nv, left_.data(), scale_.data());
   const Largest<S> contact(0, nc, left_.data() + nv, scale_.data() + nv);
-  act();  // f of the bases
+  act();  // computes the forces of the bases
   for (std::size_t l = 0; l < subtrees.size(); ++l) {
     const int lane = static_cast<int>(l);
     Subtree& subtree = subtrees[l];

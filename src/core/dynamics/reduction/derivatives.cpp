@@ -1,4 +1,4 @@
-// Derivatives and bounds of the scene solved, as those of all contacts.
+// Derivatives and bounds of the full scene from those of the reduced scene.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +28,7 @@ int row_of(const Island& island, int contact) {
   return island.row_offset[at];
 }
 
-// Rows of forces of an island's panel, from those of the scene solved.
+// Expands the force rows of an island's panel from the reduced scene's.
 template <class From, class To>
 void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
@@ -62,7 +62,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
   expand_rows(r, i, from.W.block(nv, 0, from.nc, w), out.W.block(nv, 0, island.nc, w));
 }
 
-// The largest sum of sizes of a row of S Q: the largest error of f from an error of y.
+// Returns the largest row sum of |S Q|: the largest error of f per error of y.
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
   for (int c : solved_island(*r.data, i).contacts) {
@@ -74,7 +74,7 @@ double largest_share(const Reduction& r, std::size_t i) {
   return largest;
 }
 
-// A bound relative to the largest y, as one relative to the largest f.
+// Converts a bound relative to the largest y into one relative to the largest f.
 double relative_to_forces(double bound, double share, double y, double f) {
   if (bound == 0 || !std::isfinite(bound)) return bound;
   return y == 0 ? 0 : bound * share * y / f;
@@ -164,7 +164,7 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// K of all contacts, if damped, has the eigenvalue -damping for the forces of a pair that move nothing.
+// With damping, K of all contacts has the eigenvalue -damping for null-space forces of a pair.
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

@@ -1,4 +1,4 @@
-// The reduction of contacts to pairs, and the scene that is solved.
+// Reduces contacts to pairs, and makes the reduced scene.
 
 #include <algorithm>
 #include <tuple>
@@ -26,8 +26,7 @@ bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
   return true;
 }
 
-// Damped contacts of one robot are left as they are: all their rows are independent, and of contacts that slide
-// derivatives need all of them.
+// Damped contacts of one robot are not reduced: derivatives of sliding contacts need all their rows.
 bool may_reduce(const Scene& scene, const Contact& contact) {
   return has_constant_rows(contact) &&
          (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
@@ -38,7 +37,7 @@ bool may_reduce(const Scene& scene, const Options& options) {
          scene.tolerance == 0 && scene.damping >= 0 && scene.moment_length > 0;
 }
 
-// Contacts between the same two bodies.
+// Groups the contacts between the same two bodies.
 std::vector<std::vector<int>> find_groups(const Scene& scene) {
   using Bodies = std::tuple<int, int, int, int>;
   std::vector<std::pair<Bodies, int>> all;
@@ -58,7 +57,7 @@ std::vector<std::vector<int>> find_groups(const Scene& scene) {
   return groups;
 }
 
-// Returns flags: which contacts of a group are active.
+// Returns flags of a group's active contacts.
 const std::vector<char>& set_of(const std::vector<int>& group, const std::vector<char>& active, Reduction& r) {
   r.set.clear();
   for (int c : group) r.set.push_back(active[c]);
@@ -72,7 +71,7 @@ std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<ch
   return out;
 }
 
-// Adds a pair for a set of contacts that did not occur before. Returns whether a pair was added.
+// Adds a pair for a new set of contacts; returns whether its rows are dependent, so that there is a pair.
 bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
   const std::vector<int> contacts = contacts_of(r.groups[g], set);
   Reduction::Set of;
@@ -86,8 +85,8 @@ bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, R
   return found;
 }
 
-// The sets that are active now, and, as soon as there is a new one, the same in groups of as many contacts: copies of a
-// robot change theirs one after the other. Whether there are new pairs.
+// Adds the sets that are active now. A new set is added to all groups of as many contacts, as copies of a robot change
+// theirs one after the other. Returns whether there are new pairs.
 bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
   bool found = false;
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
@@ -108,7 +107,7 @@ Contact unnamed(Contact contact) {
   return contact;
 }
 
-// All of a scene but names.
+// Copies a scene without names.
 Scene unnamed(const Scene& from) {
   Scene out;
   out.nq = from.nq, out.nv = from.nv, out.nu = from.nu;
@@ -120,7 +119,7 @@ Scene unnamed(const Scene& from) {
   return out;
 }
 
-// The scene that is solved, its pairs in an order that does not depend on which was met first.
+// Makes the reduced scene; the order of its pairs does not depend on the order in which sets occurred.
 void make_scene(const Scene& scene, Reduction& r) {
   r.data.reset();
   r.scene = unnamed(scene);
@@ -130,7 +129,7 @@ void make_scene(const Scene& scene, Reduction& r) {
     for (auto& [set, of] : sets) {
       if (!of.pair.pair) continue;
       of.number = static_cast<int>(r.scene.contacts.size());
-      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // changes with the scene; the set's own does not
+      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // follows scene changes; the set does not
       r.scene.contacts.push_back(of.pair);
       r.scene.contacts.back().pair = r.pairs.back();
       rows = std::max(rows, of.pair.pair->unit.size());
@@ -138,7 +137,7 @@ void make_scene(const Scene& scene, Reduction& r) {
   r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));
 }
 
-// Flags the active contacts of the scene that is solved.
+// Flags the active contacts of the reduced scene.
 void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {
   out.assign(r.scene.contacts.size(), 0);
   std::copy(active.begin(), active.end(), out.begin());

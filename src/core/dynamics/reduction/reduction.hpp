@@ -1,10 +1,8 @@
 #pragma once
-// Decorator of all that is done with a scene's data: where several contacts join the same two bodies, the scene that is
-// solved has one contact in their place, whose rows span theirs (contact/pair_rows.hpp). Its solutions are then those
-// of all contacts: accelerations are the same, forces f = S Q y.
-//
-// The scene solved has the contacts of the scene, of which those in pairs are not active, and behind them the pairs. A
-// pair is one set of active contacts between two bodies; sets met before are kept.
+// Reduction of redundant contacts: several contacts between the same two bodies are replaced by one, whose rows span
+// theirs (contact/pair_rows.hpp). The solution is that of all contacts: accelerations are equal, and f = S Q y.
+// The reduced scene has the contacts of the scene, those in pairs inactive, and then the pairs. A pair is one set of
+// active contacts between two bodies; sets are kept for later.
 
 #include <map>
 #include <memory>
@@ -21,35 +19,35 @@ namespace manycontact {
 struct Workspace;
 
 struct Reduction {
-  /// Terms that the pairs that may be reduced depend on, in addition to those of SceneIdentity.
+  /// Parameters on which reducible pairs depend, in addition to SceneIdentity's.
   struct Terms {
     std::vector<char> constant_rows;      // one flag per contact of the scene
-    bool damped = false, forces = false;  // forces: there are external wrenches or springs
+    bool damped = false, forces = false;  // forces: whether there are external wrenches or springs
     double moment_length = 1;
   };
 
-  struct Set {        // active contacts between two bodies, once met
-    Contact pair;     // the pair, as first made; `pair.pair` is empty where their rows are independent
-    int number = -1;  // number of the pair among the contacts of the scene solved
+  struct Set {        // active contacts between two bodies
+    Contact pair;     // the pair as first made; `pair.pair` is null if the rows are independent
+    int number = -1;  // number of the pair among the contacts of the reduced scene
   };
 
-  Scene scene;  // the scene that is solved
+  Scene scene;
   Terms terms;
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
   std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
   std::vector<std::shared_ptr<PairRows>> pairs;          // one per pair contact, appended after the scene's
   std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs had; SIMD batches compare their addresses
-  std::unique_ptr<SceneData> data;                       // data of `scene`
-  // data of the scene without pairs, for derivatives of damped contacts that slide; a solution there is the current one
+  std::unique_ptr<SceneData> data;
+  // data without reduction, for derivatives of damped sliding contacts; current if it has a solution
   std::unique_ptr<SceneData> plain;
-  std::vector<Island> islands;   // islands with the contacts of the original scene, one per island of `data`
+  std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene
   Eigen::VectorXd prescribed;    // rows of `data`
   Eigen::VectorXd df;            // scratch of products: rows of `data`
   std::vector<char> set;         // scratch
   Eigen::VectorXd rows_of_pair;  // scratch, for all rows of any pair
 
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
-  /// The rows of a contact of `scene`; nullptr where it is no pair.
+  /// Returns the rows of a contact of `scene`; nullptr if it is no pair.
   const PairRows* pair_of(int c) const { return c < first_pair() ? nullptr : pairs[c - first_pair()].get(); }
   /// Calls use(contact of `scene`, rows) for the active pairs.
   template <class Use>
@@ -65,18 +63,17 @@ namespace internal {
 bool reduction_is_current(const Scene& scene, const SceneData& data);
 /// Whether contacts of an island are reduced to pairs.
 bool has_pairs(const Reduction& reduction, std::size_t island);
-/// Makes, changes or drops the reduction for data.active; its islands are prepared.
+/// Creates, changes or drops the reduction for data.active, and prepares its islands.
 void prepare_reduction(const Scene& scene, SceneData& data);
-/// After `begin` of solve, where there is a reduction. prescribed: of rows of data.f, or none.
+/// Solves the reduced scene, after `begin`. prescribed: accelerations of rows of data.f, or empty.
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
-/// Returns the data that contain the derivatives of the current solution: those of the reduced scene, or of the scene
-/// itself.
+/// Returns the data that contain the derivatives of the current solution: the reduced scene's, or `plain`.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
-/// f of the scene's contacts, of that of the scene solved; S Q y of pairs.
+/// Expands forces y of the reduced scene to f of the scene's contacts: S Q y for pairs.
 void expand_forces(const SceneData& data, const double* y, double* f);
-/// The transpose of that.
+/// Applies the transpose of expand_forces.
 void reduce_forces(const SceneData& data, const double* f, double* y);
 
 const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request);

@@ -1,4 +1,4 @@
-// Solves a scene in place of the one given, and expands its solution to that of all contacts.
+// Solves the reduced scene, and expands its solution to all contacts.
 
 #include <algorithm>
 #include <cmath>
@@ -46,8 +46,7 @@ void each_single(const SceneData& data, const Reduction& r, Use&& use) {
 
 const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
 
-// Adds, with damping, the forces of a pair that do not move the bodies: the damping alone takes the inconsistency of
-// its contacts, f += (prescribed - left) / delta.
+// Adds a damped pair's null-space forces, f += (prescribed - left) / delta: only damping resolves inconsistency.
 void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {
@@ -64,7 +63,7 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
   });
 }
 
-// Inconsistency of the contacts of an island's pairs.
+// Returns the inconsistency of the contacts in an island's pairs.
 rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
                                              std::span<const double> wanted) {
   rank::Contradiction<double> out;
@@ -89,8 +88,8 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Rows that depend on the ones before them: in pairs all but those that span it, and of these, one for each row of the
-// scene solved (contact/pair_rows.hpp), those whose row there depends on others.
+// Lists dependent rows: in pairs, those that do not span, and spanning ones that depend on others
+// (contact/pair_rows.hpp).
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
@@ -109,7 +108,7 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
 }
 
-// Derivatives are those at the refined solution: y = Q^T S^-1 f.
+// Sets the reduced solution to the refined one, y = Q^T S^-1 f, for derivatives.
 void take_refined(const SceneData& data, Reduction& r) {
   r.data->a = data.a;
   each_single(data, r, [&](int from, int to, int rows) { r.data->f.segment(to, rows) = data.f.segment(from, rows); });
@@ -129,7 +128,7 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
     IslandReport& solved = r.data->report.islands[i];
     std::vector<int> own = std::move(report.dependent_rows), others = std::move(solved.dependent_rows);
     own.clear();
-    report = solved;  // but the lists
+    report = solved;  // except for the lists
     report.dependent_rows = std::move(own), solved.dependent_rows = std::move(others);
     report.nc = r.islands[i].nc;
     if (solved.status == Status::kFailed) continue;

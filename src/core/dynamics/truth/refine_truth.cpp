@@ -11,7 +11,7 @@ namespace {
 
 using internal::TruthTerms;
 
-// K (upper triangle) and b of an island in S, in the elimination order of its pattern.
+// K (upper triangle) and b of an island in scalars S, in the elimination order of its pattern.
 template <class S>
 struct System {
   const sparse::UpperCsc& A;
@@ -41,7 +41,7 @@ System<S> assemble_system(const Scene& scene, const TruthTerms<S>& t, const Isla
   return s;
 }
 
-// r = b - K x; returns max |r| / max (|b| + |K| |x|).
+// Computes r = b - K x; returns max |r| / max (|b| + |K| |x|).
 template <class S>
 S backward_error(System<S>& s) {
   using std::abs;
@@ -65,8 +65,7 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Whether x was found. Each step ends with a residual, so x gains one step more than that needs: by the condition of K
-// it is the less accurate of the two.
+// Returns whether x was found; x takes a step more than the residual needs, as K's condition makes it less accurate.
 template <class S>
 bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());
@@ -76,7 +75,7 @@ bool refine_island(Factor& factor, System<S>& s) {
       [&] {
         for (std::size_t k = 0; k < dx.size(); ++k) dx[k] = static_cast<double>(s.r[k]);
         factor.solve(dx.data());
-        for (std::size_t k = 0; k < dx.size(); ++k) s.x[k] += S(dx[k]);  // x += K^-1 r
+        for (std::size_t k = 0; k < dx.size(); ++k) s.x[k] += S(dx[k]);
       });
   return refinement.backward_error < small;
 }

@@ -1,18 +1,18 @@
 #pragma once
-// Copies what may change of a scene under data in use (data.hpp) into the scenes that data make inside.
+// Copies scene properties that may change while data are in use (data.hpp) into internal scenes.
 
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::internal {
 
-/// Copies what may change of a contact. Its robots stay.
+/// Copies what may change of a contact, but not its robots.
 inline void take_changes(const Contact& from, Contact& to) {
   to.reference_frame = from.reference_frame;
   to.alpha = from.alpha, to.beta = from.beta;
   to.B.placement = from.B.placement;
 }
 
-/// All but contacts into `to`, whose robots, external wrenches and springs are those of `from`, once or several times.
+/// Copies all but contacts into `to`, which contains the robots, wrenches and springs of `from` once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;
@@ -22,7 +22,7 @@ inline void take_changes(const Scene& from, Scene& to) {
   const auto each = [](auto& list, const auto& given, auto&& take) {
     for (std::size_t k = 0; k < list.size(); ++k) take(list[k], given[k % given.size()]);
   };
-  if (!has_applied_forces(from)) {  // nothing of that kind acts
+  if (!has_applied_forces(from)) {
     to.wrenches.clear(), to.springs.clear(), to.joint_springs.clear();
     return;
   }
@@ -40,7 +40,7 @@ inline void take_changes(const Scene& from, Scene& to) {
   });
 }
 
-/// The same with the contacts.
+/// Copies the same and the contacts.
 inline void take_all_changes(const Scene& from, Scene& to) {
   take_changes(from, to);
   for (std::size_t c = 0; c < to.contacts.size(); ++c)

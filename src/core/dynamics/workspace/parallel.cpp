@@ -1,5 +1,4 @@
-// Compiled with OpenMP where available, as the only such source: Eigen compiled with OpenMP would start its own
-// threads.
+// The only source compiled with OpenMP (if available): Eigen compiled with OpenMP would start its own threads.
 
 #include "manycontact/dynamics/parallel.hpp"
 
@@ -20,8 +19,7 @@ namespace manycontact::internal {
 int default_threads() { return omp_get_max_threads(); }
 
 #if __has_include(<pthread.h>)
-// A forked child has none of OpenMP's threads, and libgomp's would wait for them for ever. So the forking thread's are
-// given back before, and parent and child start new ones when they need them.
+// libgomp in a forked child would wait forever for threads it lacks, so they are released before a fork.
 const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
 #endif
 

@@ -8,8 +8,7 @@ namespace manycontact {
 
 namespace {
 
-// Estimates the bytes of an island, its shape and its kernels from the entries of K, of its factor (the whole one or
-// those of its robots) and of its derivatives.
+// Estimates the bytes of an island, its shape and its kernels from the entries of K, its factors and its derivatives.
 std::size_t bytes_of(const IslandWork& d) {
   std::size_t entries = 0;
   if (const auto& p = d.matrix.K.pattern) entries += p->K.nonzeros() + p->ldl.nonzeros();
@@ -47,7 +46,7 @@ bool IslandPool::trim() {
   for (const auto& [shape, entries] : islands_)
     for (const Entry& entry : entries) ages.emplace_back(entry.since, entry.bytes);
   std::sort(ages.begin(), ages.end());
-  std::uint64_t last = 0;  // given up
+  std::uint64_t last = 0;  // time of the last one deleted
   for (std::size_t k = 0, left = bytes_; left > most / 2; ++k) left -= ages[k].second, last = ages[k].first;
   for (auto& [shape, entries] : islands_)
     std::erase_if(entries, [&, last](const Entry& entry) {

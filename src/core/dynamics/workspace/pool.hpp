@@ -1,5 +1,5 @@
 #pragma once
-// Memory of contact sets that were met, for when they come back.
+// Memory of earlier contact sets, for reuse.
 
 #include <cstdint>
 #include <memory>
@@ -11,20 +11,20 @@ namespace manycontact {
 class IslandShape;
 struct IslandWork;
 
-/// Islands that are not in use, by their shapes: up to `most` bytes of them, those met last.
+/// Unused islands by shape: up to `most` bytes, the most recently used.
 class IslandPool {
  public:
   std::size_t most = std::size_t(256) << 20;
 
-  /// nullptr: there is none of this shape.
+  /// Returns nullptr if there is none of this shape.
   std::unique_ptr<IslandWork> take(const IslandShape& shape);
-  /// now: a count of switches, by which the pool knows what was met last.
+  /// now: count of contact switches, as time of last use.
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
   void clear();
-  /// If there are more than `most`, deletes those unused for longest until half of it is left. Returns whether it did.
+  /// If there are more than `most` bytes, deletes the least recently used down to half. Returns whether it did.
   bool trim();
 
-  /// use(island) of all.
+  /// Calls use(island) for all.
   template <class Use>
   void each(Use&& use) const {
     for (const auto& [shape, entries] : islands_)

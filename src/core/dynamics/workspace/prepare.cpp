@@ -1,4 +1,4 @@
-// Updates the islands of a contact set: only islands with switched contacts change, and nothing is analysed twice.
+// Updates the islands of a contact set: only islands with switched contacts change, and shapes are analysed once.
 
 #include <algorithm>
 #include <set>
@@ -19,24 +19,22 @@ IslandWork::IslandWork(std::shared_ptr<IslandShape> s, const Options& options)
 
 namespace {
 
-// Returns an island's work to the pool of its shape, for the next island of this shape.
+// Returns an island to the pool of its shape, without its results, for the next island of this shape.
 void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
-  // these results belong to another island
   island->answered = nullptr;
   island->depended = 0;
   island->matrix.state = 0;
   w.pool.give(std::move(island), w.layout);
 }
 
-// The options of the current islands. Where the pairs' scene is solved in their place, these are for views alone: any
-// order serves, and the one that needs no search is taken.
+// Returns the options of the islands; with a reduction they serve only views, so no order is searched.
 Options options_of_islands(const Workspace& w) {
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
   return options;
 }
 
-// An island of its shape, from the pool or new, with these robots and contacts.
+// Takes an island of this shape from the pool, or constructs one, and assigns its robots and contacts.
 std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& island) {
   const std::shared_ptr<IslandShape>& shape = w.shapes.find(scene, island, w.reduction != nullptr);
   std::unique_ptr<IslandWork> out = w.pool.take(*shape);
@@ -49,7 +47,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-// Makes the memory of the systems that solve islands first; SIMD batches have their own.
+// Allocates the systems that solve islands first; SIMD batches have their own memory.
 void make_first_systems(const Scene& scene, Workspace& w) {
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
@@ -63,7 +61,7 @@ void make_first_systems(const Scene& scene, Workspace& w) {
   }
 }
 
-// Robots of islands with a contact that was switched, at either end.
+// Flags the robots of islands on which a contact was switched, at either end.
 void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
   s.groups.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
@@ -78,13 +76,13 @@ void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switc
   }
 }
 
-// w.islands: those that stay, and those of the loose robots.
+// Sets w.islands to the unchanged islands and those of the loose robots.
 void change_islands(const Scene& scene, const SceneData& data, Workspace& w, bool all) {
   Switching& s = w.switching;
   mark_changed(scene, data, w, s, all);
   s.next.clear();
   s.old.clear();
-  s.old.swap(w.islands);  // should memory run out, there are none
+  s.old.swap(w.islands);  // empty should an allocation throw
   for (std::unique_ptr<IslandWork>& island : s.old) {
     if (s.groups.loose[island->island.robots.front()])
       pool_island(w, std::move(island));
@@ -103,7 +101,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
     for (int r : w.islands[i]->island.robots) w.robot_island[r] = static_cast<int>(i);
 }
 
-// The analyses and kernels of islands that are neither at work nor in the pool.
+// Frees analyses and kernels of islands that are neither current nor pooled.
 void forget_unused(Workspace& w) {
   std::set<const IslandShape*> used;
   for (const auto& island : w.islands) used.insert(island->shape.get());
@@ -112,7 +110,7 @@ void forget_unused(Workspace& w) {
   internal::forget_unused_groups(w);
 }
 
-// Memory of derivatives goes with the islands, to the pool and back.
+// Moves derivatives' memory into the islands, so that it goes with them to the pool and back.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);
@@ -164,7 +162,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   if (known && w.islands_active == data.active) return;
   const bool all = !known || data.options.method == Method::kDenseSchur;
   w.islands_options.reset();
-  if (!w.reduction) keep_derivatives(w);  // a reduction's derivatives are not those of these islands
+  if (!w.reduction) keep_derivatives(w);  // a reduction's derivatives are not for these islands
   if (!same_options) {                    // options changed: factors must be rebuilt
     w.islands.clear();
     w.pool.clear();

@@ -18,7 +18,7 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
 
 namespace {
 
-// Bit by bit: NaN is what it was.
+// Compares bitwise, so that NaN equals itself.
 template <class Matrix>
 bool differ(const Matrix& x, const Matrix& y) {
   return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;
@@ -30,7 +30,7 @@ std::string counts(const char* what, std::size_t was, std::size_t is) {
 
 }  // namespace
 
-// Names what differs between `was` and `is` and may not change under data in use (data.hpp). Null: nothing differs.
+// Returns the name of a property that must not change under data in use (data.hpp) but did; nullptr if none.
 const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
   if (was.type != is.type) return "type";
   if (was.robot_A != is.A.robot || was.joint_A != is.A.joint) return "body A";
@@ -47,7 +47,7 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t c = 0; c < contacts_.size(); ++c)
     if (const char* what = changed(contacts_[c], scene.contacts[c]))
       return "contact '" + scene.contacts[c].name + "' has another " + what;
-  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // a scene without any: none act
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // lists do not matter without forces
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {

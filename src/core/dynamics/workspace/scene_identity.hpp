@@ -1,5 +1,5 @@
 #pragma once
-// The identity by which data recognise their scene, and detect changes to it.
+// Data recognise their scene, and changes to it, by a SceneIdentity.
 
 #include "manycontact/model/scene.hpp"
 
@@ -8,12 +8,12 @@ namespace manycontact {
 class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
-  /// The difference as a text; empty where there is none.
+  /// Returns a description of the difference; empty if there is none.
   std::string difference(const Scene& scene) const;
 
  private:
   std::string difference_of_forces(const Scene& scene) const;
-  std::vector<std::shared_ptr<const Model>> models_;  // kept: another model must not pass for one at its address
+  std::vector<std::shared_ptr<const Model>> models_;  // owned, so that no other model gets the same address
   struct OfContact {
     ContactType type;
     int robot_A, joint_A, robot_B, joint_B;
@@ -26,7 +26,7 @@ class SceneIdentity {
     int robot, joint;
     bool is(const Attachment& at) const { return at.robot == robot && at.joint == joint; }
   };
-  std::vector<Body> wrenches_, springs_, joint_springs_;  // springs: A, B of each
+  std::vector<Body> wrenches_, springs_, joint_springs_;  // springs: A and B of each
 };
 
 }  // namespace manycontact

@@ -6,28 +6,27 @@
 
 namespace manycontact::internal {
 
-/// work(item, memory of the thread) for each item of 0 ... count-1, by the threads of these data. Item k is that of
-/// thread k modulo their number. Exceptions come out as run_items has them.
+/// Calls work(item, thread's memory) for items 0 ... count-1; thread k modulo their number has item k. Throws as
+/// run_items.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
   run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count),
             [&](std::ptrdiff_t item, int thread) { work(static_cast<std::size_t>(item), w.threads[thread]); });
 }
 
-/// The same; by the calling thread alone, with the memory of each item's own thread, where others are not worth waking.
+/// Does the same, in the calling thread if not `worth_threads`, but with the memory of each item's own thread.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work) {
   if (worth_threads) return each_item(w, count, work);
   for (std::size_t k = 0; k < count; ++k) work(k, w.threads[k % w.threads.size()]);
 }
 
-/// Whether so many seconds of predicted work are worth waking the threads of these data.
+/// Whether so much predicted work [s] is worth waking the threads of these data.
 inline bool are_worth_threads(const Workspace& w, double seconds) {
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
-/// Calls work(island, its number, workspace of the thread) for each island that no batch of single-robot islands has
-/// `done`. Islands with with_all_threads(island) come first, one after another, because they use all threads
-/// themselves.
+/// Calls work(island, its number, workspace of the thread) for each island that is not `done`. Islands with
+/// with_all_threads(island) come first, one by one, as each uses all threads.
 template <class Done, class WithAllThreads, class Work>
 void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, Work&& work) {
   w.done.assign(w.islands.size(), 0);  // work may change these conditions

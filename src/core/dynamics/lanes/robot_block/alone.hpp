@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: islands of one robot, factorized, refined and judged.
+// RobotBlock: solves single-robot islands, with refinement and checks.
 
 #include "robot_block.hpp"
 #include "single.hpp"
@@ -27,8 +27,7 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// L and D; rows of J without a sound pivot wait. Returns the usable elements where all others have one, and those rows
-/// depend on them.
+/// Computes L and D. Returns the usable elements whose rows have sound pivots, join, or are dependent.
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -60,8 +59,7 @@ bool RobotBlock<S>::rows_wait() const {
   return !kSingle && waiting_.any();
 }
 
-/// x <- K^-1 x by L and D, without the border and rows that wait. The entries of x there, of all the pattern's rows,
-/// are lost.
+/// Overwrites x with K^-1 x from L and D, without the border and the waiting rows. Entries of x there are lost.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
   if (plan_->border() == 0)
@@ -71,7 +69,7 @@ void RobotBlock<S>::solve_by_factor(S* x) const {
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
-/// x <- K^-1 x; where rows depend, (I - P) K_kept^-1 x, of an x without part P x (Factor::correct).
+/// Overwrites x with K^-1 x. If rows are dependent: with (I - P) K_kept^-1 x, for x with P x = 0 (Factor::correct).
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) {
   if (!rows_wait()) return solve_by_factor(x);
@@ -81,8 +79,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// x += K^-1 r in the elements that are open. Returns where no entry moves by more than tolerance::kSameSize of itself:
-/// there |K| |x| changes by no more either.
+/// Sets x += K^-1 r in open elements. Returns where entries, and |K| |x|, change by at most kSameSize of themselves.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -96,14 +93,14 @@ typename S::Mask RobotBlock<S>::correct(Mask open) {
   return same_sizes;
 }
 
-/// r, scale, and the backward error.
+/// Computes r and scale; returns the backward error.
 template <class S>
 S RobotBlock<S>::residual() {
   residual_and_sizes();
   return backward_error();
 }
 
-/// The componentwise backward error of r, NaN where any is (Factor::backward_error).
+/// Returns the componentwise backward error of r, or NaN (Factor::backward_error).
 template <class S>
 S RobotBlock<S>::backward_error() {
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
@@ -112,7 +109,7 @@ S RobotBlock<S>::backward_error() {
   return componentwise_error<S>(r, n_.w);
 }
 
-/// Computes the residual again after `correct`, whose mask shows in which elements `scale` need not be computed again.
+/// Computes the residual again after `correct`; its mask shows in which elements `scale` need not be computed again.
 template <class S>
 S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
@@ -125,7 +122,7 @@ S RobotBlock<S>::residual(Mask same_sizes) {
   return backward_error();
 }
 
-/// x = K^-1 b, each element refined as if it were solved alone (sparse/refine.hpp).
+/// Solves x = K^-1 b; each element is refined as if it were solved alone (sparse/refine.hpp).
 template <class S>
 void RobotBlock<S>::refine() {
   if (rows_wait()) waiting_.take_out(n_.b);
@@ -140,7 +137,7 @@ void RobotBlock<S>::refine() {
 
 template <class S>
 void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
-  // Residuals relative to the terms they are left of; those of the contacts at least to gravity.
+  // Residuals are relative to their terms, those of contacts at least to gravity.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
   Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
@@ -151,7 +148,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * entries;
   const S factor = select(entries > S(0), terms / entries, S(1));
   Mask sound = usable_ & (factor <= S(std::numeric_limits<typename S::Element>::max()));
-  if constexpr (!kSingle) sound = sound & plainly_damped(job.scene.damping);  // floats have judged that
+  if constexpr (!kSingle) sound = sound & plainly_damped(job.scene.damping);  // checked in solve_unrefined for floats
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
@@ -169,8 +166,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether rounding errors of a damped row's terms are small relative to the forces (kInDoubt), or to a thousandth of
-/// the loads' terms.
+/// Whether rounding errors of damped rows are small relative to forces (kInDoubt) or to kLeastLoad of the loads.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
@@ -183,9 +179,9 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   return scale <= S(tolerance::kInDoubt * damping) * force;
 }
 
-// ---- rows that depend on each other (systems/matrix/fallbacks.cpp) ------------------------------------------------
+// ---- redundant rows (systems/matrix/fallbacks.cpp) ---------------------------------------------------------------
 
-/// The largest terms that rows' a0 are computed from: the inconsistency of rows is judged relative to these.
+/// Computes the largest terms of each row's a0; the inconsistency of rows is judged relative to them.
 template <class S>
 void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -197,7 +193,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   }
 }
 
-/// Adds the inconsistency of dependent rows, which was taken out of them, to b and r.
+/// Adds the inconsistency of dependent rows, which refine() removed, to b and r.
 template <class S>
 void RobotBlock<S>::restore_contradiction() {
   const Mask of = waiting_.elements();
@@ -237,7 +233,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
     if (answers[l].dependent.empty()) continue;
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
     if (answers[l].contradiction.needs_dense()) answers[l].sound = false;
-    if (answers[l].contradiction.exceeds_rounding())  // the whole K has the term of what is left
+    if (answers[l].contradiction.exceeds_rounding())  // the panel of the whole K has the residual's term
       answers[l].panel_is_safe = false;
   }
 }

@@ -1,7 +1,6 @@
 #pragma once
-// Derivatives of robots in a SIMD batch: dynamics/differentiate.cpp for all elements at once. For robots joined to
-// others these are the columns of their own part: K_r^-1 [E, B_r], B_r of their own coordinates and torques, E of
-// forces on the bodies that contacts join (dynamics/systems/robots/derivatives.cpp).
+// Derivatives of the robots of a SIMD batch (dynamics/differentiate.cpp). For coupled robots these are K_r^-1 [E, B_r],
+// B_r of own coordinates and torques, E of forces on bodies of coupling contacts (systems/robots/derivatives.cpp).
 
 #include <functional>
 #include <numeric>
@@ -26,7 +25,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
   const S* L = inner_L();
-  S refined(0), projected(1);  // 1 in the elements whose panel is; those without a robot have none
+  S refined(0), projected(1);  // 1 where the panel is; elements without a robot have none
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
     projected.set(lane, rows_wait() && waiting_.elements()[lane]);
@@ -52,7 +51,7 @@ void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
                side_by_side(robots, memory, [](const Robot& r) { return r.ends; }));
 }
 
-/// Contact forces on the bodies, and the terms of -dr.
+/// Computes contact forces on the bodies, and the terms of -dr.
 template <class S>
 void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   add_forces(scene, robots, fext_);
@@ -74,7 +73,7 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Rows of a coordinate's columns of -dr: its ancestors and descendants, and the rows of contacts on any of these.
+/// Finds the rows of each coordinate's column of -dr: ancestors, descendants, and rows of contacts on these.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -103,7 +102,7 @@ template <class S>
 void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
-  chunks_.clear();  // so that they are not taken for found, should memory run out
+  chunks_.clear();  // marks them as not found, should an allocation below throw
   std::vector<std::vector<char>> reach(ld / kPart, std::vector<char>(size, 0));
   const auto set = [&](int row, int column) { reach[column / kPart][inner_.iperm[row]] = 1; };
   for (std::size_t k = 0; k < plan_->joins(); ++k)
@@ -128,8 +127,8 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   request_ = job.request;
 }
 
-/// Bands of columns whose solutions stay in the second cache; in each, chunks of parts that reach much the same rows.
-/// reach: of each part, in the pattern's order. Makes memory, and places of right-hand sides and solutions in it.
+/// Forms bands of columns whose solutions fit in the L2 cache and, in each, chunks of parts with similar rows.
+/// Allocates memory for right-hand sides and solutions. reach: rows of each part, in the pattern's order.
 template <class S>
 auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
@@ -139,7 +138,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
             wide = std::max(static_cast<int>(kBand / (size * sizeof(Number))), kWhole) / kWhole * kWhole / kPart;
   std::vector<std::vector<char>> reached(reach.begin(), reach.end());
   for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
-  std::vector<int> order(parts);  // parts that reach nothing come last
+  std::vector<int> order(parts);  // parts without rows come last
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return a / wide != b / wide ? a / wide < b / wide : reached[a] > reached[b]; });
@@ -148,7 +147,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // number of right-hand sides; of the band's solutions, of any band's
+  std::size_t count = 0, at = 0, most = 0;  // right-hand sides; solutions of this band, of the largest
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
@@ -178,13 +177,13 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   return chunks;
 }
 
-/// B = [E -dr/dq -dr/dv S], S selecting the torques, which is there already.
+/// Sets B = [E -dr/dq -dr/dv S]; S, which selects torques, is constant and already set.
 template <class S>
 void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   const Indexed B{B_.data(), place_.data(), job.columns};
   for (int k : unset_) B_[k] = S(0);
   const double* from[kMostInBatch];
-  std::size_t next = 6;  // J_l of an end, behind the force
+  std::size_t next = 6;  // offset of an end's J_l: it follows the force
   for (std::size_t k = 0; k < plan_->joins(); ++k) {
     const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
     load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
@@ -199,7 +198,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
     const Indexed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
     next = 6;
-    for (std::size_t k = 0; k < plan_->joins(); ++k) {  // E D, D of the robot's own coordinates
+    for (std::size_t k = 0; k < plan_->joins(); ++k) {  // adds E D, D of the robot's own coordinates
       const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
       const int count = static_cast<int>(columns.size());
       load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
@@ -228,8 +227,8 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Elements in which every column of every panel has a backward error of no more than kRefinePanel as it comes from the
-/// factor: |dK|_1 / |K|_1 of sparse::ldl_rounding.
+/// Returns the elements whose panels need no refinement: |dK|_1 / |K|_1 of sparse::ldl_rounding is at most
+/// kRefinePanel.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
@@ -242,7 +241,7 @@ typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// L of K_r: without the border's rows, which are the last of each column.
+/// Returns L of K_r, without the border's rows, which come last in each column.
 template <class S>
 const S* RobotBlock<S>::inner_L() {
   if (plan_->border() == 0) return n_.L;
@@ -251,8 +250,7 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// [da; df] = K^-1 B, written into the panels of these elements. waiting: the waiting rows of the elements, or nullptr
-/// if there are none.
+/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: their waiting rows, or nullptr.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {
@@ -260,7 +258,7 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
     for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, waiting);
-    // Many panels are not in the caches: they are written from one end to the other.
+    // Many panels do not fit in the caches: they are written sequentially.
     if (job.non_temporal)
       write(band, panels, of, [](const auto& piece, double* to) { piece.stream(to); });
     else
@@ -269,8 +267,7 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
   if (job.non_temporal) sparse::kernel::finish_streams();
 }
 
-/// Copies the solutions of a band's chunks from work_ to the panels, which start at a cache line and whose rows are
-/// multiples of it.
+/// Copies the solutions of a band from work_ to the panels, whose rows are aligned to cache lines.
 template <class S>
 template <class Put>
 void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask of, Put&& put) {
@@ -280,7 +277,7 @@ void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask 
   std::ptrdiff_t ld[W] = {};
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (of[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
-  for (int i = 0; i < rows_; ++i) {  // moves `to` to row i
+  for (int i = 0; i < rows_; ++i) {  // `to` is at row i
     const int k = inner_.iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
     if constexpr (W == 1) {
@@ -319,7 +316,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   const std::size_t size = static_cast<std::size_t>(rows_);
   const char* reached = reached_.data() + chunk * size;
   Number* x = answer() + chunks_[chunk].answer;
-  if (std::find(reached, reached + size, 1) == reached + size) {  // none but columns that fill up the last chunk
+  if (std::find(reached, reached + size, 1) == reached + size) {  // only columns that pad the last chunk
     std::fill_n(x, size * N, Number(0));
     return;
   }
@@ -333,7 +330,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   load_chunk<N>(chunk, x);
   apply_inverse(waiting ? nonzero_.data() : reached, x);
   if (!waiting) return;
-  // Small entries are lost in the projections of large ones: X += K^+ (B - K X).
+  // Projections lose small entries next to large ones; this correction restores them: X += K^+ (B - K X).
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
   load_chunk<N>(chunk, r);
@@ -347,7 +344,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   subtract_least_norm_columns<N>(chunk, x);
 }
 
-/// A chunk's right-hand sides; rows of blocks that none reaches are left as they are.
+/// Loads a chunk's right-hand sides; blocks of rows that no column reaches are not set.
 template <class S>
 template <int N>
 void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
@@ -367,7 +364,7 @@ void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
   }
 }
 
-/// R -= K X, N columns of each.
+/// Sets R -= K X, N columns of each.
 template <class S>
 template <int N>
 void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
@@ -392,7 +389,7 @@ void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
   }
 }
 
-/// D = d(J y)/dq, J y = f (products.hpp).
+/// Computes D = d(J y)/dq with J y = f (products.hpp).
 template <class S>
 void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) {
   if (!job.request.q) return;
@@ -405,7 +402,7 @@ void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) 
     });
 }
 
-/// X = [da; -df]: df += P D, of a chunk's columns.
+/// Sets df += P D for a chunk's columns of X = [da; -df].
 template <class S>
 template <int N>
 void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
@@ -424,7 +421,7 @@ void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {
   if (any) waiting_.template subtract_null_component<N>(D, X);
 }
 
-/// X + K^-1 (B - K X) of one robot, X = K^-1 B.
+/// Computes X = K^-1 B of one robot, refined once: X + K^-1 (B - K X).
 template <class S>
 void RobotBlock<S>::solve_refined(const S* L, int lane, const Panel& panel, int columns) {
   const auto take = [lane](const S* from, std::vector<double>& to) {

@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: robots joined to others, whose border another way solves.
+// RobotBlock: steps for coupled robots; systems/robots solves their border.
 
 #include "robot_block.hpp"
 
@@ -25,8 +25,7 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   }
 }
 
-/// Fills joins_ for each contact that couples the robots to others: the motion of its end's body, and the columns of
-/// the coordinates that move it.
+/// Fills joins_ for each coupling contact: the motion of its end's body, and the columns of coordinates that move it.
 template <class S>
 void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();
@@ -42,7 +41,6 @@ void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns)
   }
 }
 
-/// Computes JoinedEnd of each contact that couples the robots to others.
 template <class S>
 void RobotBlock<S>::store_ends(Robots robots) {
   collect_ends({&robot_.kin.J});
@@ -77,7 +75,6 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
   begin(robots);
 }
 
-/// Stores the Schur complement that the elimination leaves in the border, and its terms.
 template <class S>
 void RobotBlock<S>::store_schur_complement(Robots robots) {
   S* to = border_.data();
@@ -106,7 +103,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
   begin(robots);
 }
 
-/// x = 0, r = b.
+/// Sets x = 0, r = b.
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
@@ -115,7 +112,7 @@ void RobotBlock<S>::begin(Robots robots) {
   forward(robots, all());
 }
 
-/// w = L^-1 r, and the contribution to the border. Both are zero for robots that are not open: these have converged.
+/// Computes w = L^-1 r and its contribution to the border; both are zero for robots that have converged (not open).
 template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
@@ -143,7 +140,7 @@ template <class S>
 void RobotBlock<S>::check(Robots robots, Memory memory) {
   use(memory.at);
   const double* from[kMostInBatch];
-  const auto spread = [&](auto&& at, S* to) {  // rows as the island has them, in K's order
+  const auto spread = [&](auto&& at, S* to) {  // reorders from the island's row order to K's
     load_arrays(side_by_side(robots, from, at), rows_, pivot_terms_.data());
     for (int i = 0; i < rows_; ++i) to[pattern_.iperm[i]] = pivot_terms_[i];
   };
@@ -155,7 +152,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   (void)check_residual(robots, prefetch_of(memory));
 }
 
-/// r = b - K x, scale = |b| + |K| |x|, and the reported measures of both. Returns the robots' backward error.
+/// Computes r = b - K x, scale = |b| + |K| |x|, and their reported measures. Returns the robots' backward error.
 template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),

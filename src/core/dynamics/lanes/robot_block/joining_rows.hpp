@@ -1,7 +1,6 @@
 #pragma once
-// Waiting rows of robots alone that do not depend on the rows kept, K1, and were only badly placed: they join K1 by
-// their Schur complement (rank/waiting_rows.hpp). The k-th of each element, other rows in other elements, is one column
-// of
+// Waiting rows of single-robot islands that are independent of the rows kept, K1: they join K1 by their Schur
+// complement (rank/waiting_rows.hpp). The k-th such row of each element of the batch forms column k of B in
 //
 //     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
 
@@ -14,7 +13,7 @@
 
 namespace manycontact::lanes {
 
-/// Factorizes G = L D L^T in place, n x n, row-major, with the inverse of D on the diagonal: inverse_of(k, D_k).
+/// Factorizes G = L D L^T in place (n x n, row-major); the diagonal becomes inverse_of(k, D_k).
 template <class S, class InverseOf>
 void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
   for (std::ptrdiff_t a = 0; a < n; ++a) {
@@ -29,7 +28,7 @@ void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
     row[a] = inverse_of(static_cast<int>(a), row[a]);
   }
 }
-/// t <- G^-1 t of C columns.
+/// Sets t = G^-1 t for C columns.
 template <int C, class V>
 void solve_dense(const V* G, int n, V* t) {
   using Row = sparse::kernel::Tile<V, C>;
@@ -59,15 +58,15 @@ class JoiningRows {
   void reserve(int columns) { t_.resize(std::max(t_.size(), static_cast<std::size_t>(most_ * columns))); }
 
   void clear() { most_in_any_ = 0, std::fill_n(count_, W, 0); }
-  /// Row k, of an element's list.
+  /// Adds row k to an element's list.
   void add(int lane, int k) {
     listed_[lane * most_ + count_[lane]++] = k;
     most_in_any_ = std::max(most_in_any_, count_[lane]);
   }
   bool any() const { return most_in_any_ > 0; }
 
-  /// Factorizes T. entries(lane, k, use): use(row of K1, entry of row k there). terms(lane, k): of its pivot. A row
-  /// that depends on K1 and those before it does not join: left(lane, k). solve(b, x): x <- K1^-1 b.
+  /// Factorizes T. entries(lane, k, use): calls use(row of K1, entry of row k there). terms(lane, k): terms of its
+  /// pivot. Calls left(lane, k) for a row that depends on K1 and earlier rows. solve(b, x): x = K1^-1 b.
   template <class Entries, class Terms, class Solve, class Left>
   void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
     std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
@@ -94,7 +93,7 @@ class JoiningRows {
     });
   }
 
-  /// Before and after x <- K1^-1 x of C columns, row after row.
+  /// The steps before and after x <- K1^-1 x, for C columns, row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;

@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: the solution once more, for derivatives and products.
+// RobotBlock: linearises at the solution, for derivatives and products.
 
 #include "robot_block.hpp"
 
@@ -18,8 +18,7 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
 }
 
-/// Motions and contact rows at the solution, K and its factor. memory: of robots joined to others, which has the
-/// latter; nullptr where only motions are wanted of them.
+/// Evaluates motions and rows at the solution, K and its factor. memory: coupled robots'; nullptr: motions only.
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {

@@ -1,12 +1,12 @@
 #pragma once
-// Products with the derivatives of robots alone: derivatives/products.cpp for a whole SIMD batch.
+// Products with the derivatives of single-robot islands: derivatives/products.cpp for a whole SIMD batch.
 
 #include "manycontact/detail/spatial/products.hpp"
 #include "robot_block.hpp"
 
 namespace manycontact::lanes {
 
-/// x = K^-1 b, refined once as solve_refined with one step does.
+/// Solves x = K^-1 b with one step of refinement.
 template <class S>
 void RobotBlock<S>::solve_once_refined() {
   if (rows_wait()) waiting_.project_out(n_.b);
@@ -22,8 +22,7 @@ BodyVariationOf<S> RobotBlock<S>::body(const Attachment& at) const {
   return moves(at) ? body_[at.joint] : BodyVariationOf<S>{zero, zero, zero, zero};
 }
 
-// ---- forces of least norm, where rows depend (systems/matrix/least_norm_forces.cpp): P df = P D dq, D = d(J y)/dq
-// ----
+// ---- least-norm forces of dependent rows: P df = P D dq, D = d(J y)/dq (systems/matrix/least_norm_forces.cpp) ----
 
 template <class S>
 internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const {
@@ -39,7 +38,7 @@ internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robot
           robot_.kin};
 }
 
-/// y with J y = f.
+/// Computes y with J y = f.
 template <class S>
 void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
@@ -49,7 +48,7 @@ void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) y_[i] = n_.x[pattern_.iperm[i]];
 }
 
-/// x = [da; -df]: df += P D dq.
+/// Sets df += P D dq in x = [da; -df].
 template <class S>
 void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -63,14 +62,14 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
   for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
-/// P of b = [wa; -wf], before it is solved for.
+/// Stores P b of b = [wa; -wf] in null_component of the waiting rows, before the solve.
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);
   waiting_.take_out(n_.w);
 }
 
-/// wq += D^T P wf.
+/// Sets wq += D^T P wf.
 template <class S>
 void RobotBlock<S>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {

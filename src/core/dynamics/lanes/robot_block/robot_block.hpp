@@ -1,8 +1,7 @@
 #pragma once
-// A SIMD batch of W robots of one plan (block.hpp) on packs S = Pack<W>: the steps of a solve
-// (systems/matrix/evaluate.cpp, kkt/factor/ldl.cpp, kkt/factor/refined.cpp), each for all robots at once. The class is
-// here. Other headers have the robots' inputs (terms.hpp), solves and checks of robots alone (alone.hpp), robots joined
-// to others (joined.hpp), the solution once more (linearise.hpp), and derivatives and products from there.
+// A SIMD batch of W robots of one plan (block.hpp) on packs S = Pack<W>: the steps of a solve for all robots at once.
+// Further headers contain inputs (terms.hpp), solves of single-robot islands (alone.hpp) and of coupled robots
+// (joined.hpp), linearisation (linearise.hpp), derivatives and products.
 
 #include <algorithm>
 #include <initializer_list>
@@ -26,19 +25,18 @@
 
 namespace manycontact::lanes {
 
-/// An empty replacement of members that only kernels of doubles have.
+/// Empty replacement of members that kernels in single precision lack.
 struct Without {
   explicit Without(const Model&) {}
 };
 
-/// With S of doubles it implements RobotBlocks, with S of floats SingleBlocks. Its functions override theirs.
+/// Implements RobotBlocks if S contains doubles, SingleBlocks if floats.
 template <class S>
 class RobotBlock final
     : public std::conditional_t<std::is_same_v<typename S::Element, float>, SingleBlocks, RobotBlocks> {
  public:
   static constexpr int W = S::width;
-  /// Whether all numbers are floats. Single precision is for single-robot islands without redundant rows only
-  /// (single.hpp).
+  /// Single precision, only for single-robot islands without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
@@ -60,13 +58,13 @@ class RobotBlock final
   void move_ends(const DerivativeJob& job, Robots robots);
 
  private:
-  /// The sparse kernels' value.
+  /// The value type of sparse kernels.
   using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// Numbers in the memory of a batch: K, L, D as KktMatrix, LdlSymbolic have them; w = L^-1 r.
+  /// Arrays in a batch's memory: K, L, D as in KktMatrix and LdlSymbolic; w = L^-1 r.
   struct Numbers {
     S *K, *b, *L, *D, *x, *w;
   };
-  /// Robots joined to others: a batch meets its numbers again after all others have met theirs.
+  /// Prefetches for coupled robots: a batch reuses its memory only after all other batches used theirs.
   using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
   static Prefetch prefetch_of(const Memory& memory) {
     if constexpr (W == 1)
@@ -86,8 +84,7 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Numbers of panel columns: those computed at a time; of these, those in registers, with four rows of each; and
-  /// those of a part, which are adjacent in the panel.
+  /// Numbers of panel columns: at a time; of these in registers, with four rows; per part, adjacent in the panel.
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -100,7 +97,7 @@ class RobotBlock final
   static_assert(kSingle || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;      // offset in B_: rows that it reaches, its columns adjacent
+    std::size_t at;      // offset in B_: the reached rows, columns adjacent
     std::size_t answer;  // offset in work_: all rows, columns adjacent
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
@@ -108,7 +105,7 @@ class RobotBlock final
     int first, end;
     std::size_t chunk, chunk_end;
   };
-  struct Piece {  // a part of columns in work_: that of row k, in the pattern's order, is at + k stride
+  struct Piece {  // a part of columns in work_: row k, in the pattern's order, is at + k stride
     std::size_t at;
     int stride;
   };
@@ -116,7 +113,7 @@ class RobotBlock final
     int i, j;
     bool of_tree;  // written by robot_columns
   };
-  /// Entries of right-hand sides, a block of rows and columns of the panel: where B_ keeps them.
+  /// Access to entries of right-hand sides in B_ by row and column of the panel.
   struct Indexed {
     S* B;
     const int* place;
@@ -125,7 +122,6 @@ class RobotBlock final
     Indexed block(int i, int j) const { return {B, place + i * ld + j, ld}; }
   };
 
-  // the steps
   template <class Job>
   void load_state(const Job& job, Robots robots);
   void load_model(const Scene& scene, Robots robots);
@@ -148,7 +144,7 @@ class RobotBlock final
   S backward_error();
   S residual(Mask same_sizes);
   void refine();
-  // functions of floats
+  // single precision
   template <class Job>
   void load_near(const Job& job, Robots robots);
   void size_torques(const Scene& scene, Robots robots, S* sizes);
@@ -159,7 +155,7 @@ class RobotBlock final
   void solve_unrefined(const Scene& scene, Robots robots);
   Mask plainly_damped(double damping) const;
   void report(const Job& job, Robots robots, std::span<Answer> answers) const;
-  // functions of rows that depend on each other
+  // redundant rows
   bool rows_wait() const;
   void size_drifts(const Scene& scene, Robots robots);
   void restore_contradiction();
@@ -167,7 +163,7 @@ class RobotBlock final
   void report_dependence(Robots robots, std::span<Answer> answers);
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
-  // functions of robots with a border
+  // robots with a border
   void prefetch_cached(Prefetch prefetch) const;
   void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
   void store_ends(Robots robots);
@@ -175,7 +171,7 @@ class RobotBlock final
   void begin(Robots robots);
   void forward(Robots robots, Mask open);
   S check_residual(Robots robots, Prefetch prefetch);
-  // functions of derivatives and products
+  // derivatives and products
   template <class Job>
   void linearise(const Job& job, Robots robots, double* memory);
   bool keeps(std::uint64_t serial, Robots robots) const;
@@ -183,7 +179,7 @@ class RobotBlock final
   void add_forces(const Scene& scene, Robots robots, std::vector<Vec6<S>>& fext);
   void derivative_terms(const Scene& scene, Robots robots);
   void solve_once_refined();
-  // functions used if rows depend
+  // derivatives with redundant rows
   internal::JacobianRate<S> jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const;
   void motion_of_forces();
   void least_norm_columns(const DerivativeJob& job, Robots robots);
@@ -215,29 +211,29 @@ class RobotBlock final
   void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
 
-  /// Returns the solutions in work_, which begin at a cache line.
+  /// Returns the solutions in work_, aligned to a cache line.
   Number* answer() {
     return reinterpret_cast<Number*>(work_.data() +
                                      (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
   }
   const Contact& contact(std::size_t k) const { return plan_->scene.contacts[k]; }
-  /// Places of the rows of a contact in K.
+  /// Returns the rows of a contact in K.
   const int* rows_of(std::size_t k) const { return pattern_.iperm.data() + model_->nv + plan_->island.row_offset[k]; }
   auto diagonal() const {
     return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  /// Elements beyond the number of robots repeat the last robot.
+  /// Returns the robot of an element; surplus elements repeat the last robot.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }
-  /// Loads at(robot in its scene, robot) of each, an array of `count`, into the elements of `to`.
+  /// Loads the array at(robot in its scene, robot), of `count` numbers, of each robot into the elements of `to`.
   template <class At>
   static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
     const double* from[kMostInBatch];
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
   }
-  /// Stores `from`, numbers of the border, into the robots' arrays.
+  /// Stores border values `from` into the robots' arrays.
   template <class To>
   static void store_border(const S* from, int count, Robots robots, To&& to) {
     double* memory[kMostInBatch];
@@ -248,71 +244,70 @@ class RobotBlock final
   std::shared_ptr<const Model> model_;
   const KktPattern &pattern_, &inner_;
   const sparse::LdlSchedule &schedule_, &inner_schedule_;
-  int rows_;  // rows that are eliminated
+  int rows_;  // eliminated rows
 
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
-  // members of floats (single.hpp)
-  struct BodySizes {  // sizes of accelerations by qdd, and of forces
+  // single precision (single.hpp)
+  struct BodySizes {  // magnitudes of accelerations due to qdd, and of forces
     S moved, turned, force, moment;
   };
-  std::vector<double> near_q_, per_turn_;  // q, each robot's own; 1/(2 pi) of its angles
-  std::array<Vec3<double>, W> origin_;     // each robot's base: all places are seen from there
+  std::vector<double> near_q_, per_turn_;  // each robot's q; 1/(2 pi) for its angles
+  std::array<Vec3<double>, W> origin_;     // each robot's base, to which positions are relative
   std::vector<BodySizes> body_sizes_;
   std::vector<float> signs_;                             // one entry per row of K: 1 or -1
   std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact on the robots alone: A, B, if fixed
-  std::vector<std::array<SE3<S>, 2>> on_body_;           // and the frames on the bodies where they move
+  std::vector<std::array<SE3<S>, 2>> on_body_;           // and frames on moving bodies
   Mask usable_;                                          // q, v, tau are finite, quaternions of unit length ...
-  ModelNumbers<S> own_model_;                            // used where the robots are not all of the plan's model
+  ModelNumbers<S> own_model_;                            // used if the robots have other models than the plan
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
-  std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements have (load_pair)
+  std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: terms that all elements share
   S smallest_row_, motion_;
-  bool may_wait_ = false;  // rows of J without a sound pivot wait: else other systems solve
+  bool may_wait_ = false;  // whether rows of J without a sound pivot wait; otherwise another system solves
 
-  Numbers n_;           // the current numbers
-  std::vector<S> own_;  // memory of robots alone
+  Numbers n_;
+  std::vector<S> own_;  // memory of single-robot islands
   std::vector<S> pivot_terms_, r_, scale_;
   WaitingRows<S> waiting_;
   S steps_, backward_error_, first_error_;
-  std::uint64_t serial_ = 0;  // the solution and the robots that kinematics, M, K, L, D are of
+  std::uint64_t serial_ = 0;  // the solution and the robots to which kinematics, M, K, L, D belong
   std::array<int, W> kept_;
   std::size_t kept_count_ = 0;
 
-  std::vector<S> joins_, border_;  // used with a border
+  std::vector<S> joins_, border_;
   std::vector<int> triangle_;      // slots in L of the border's columns, below the diagonal; -1: zero
 
-  // members of derivatives
+  // derivatives
   VecX<S> a_;
   std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
   std::vector<Vec6<S>> fext_;
   std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;  // one entry per contact: its coordinates
+  std::vector<std::vector<int>> columns_;  // coordinates of each contact
   std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may not be zero
   DerivativeRequest request_;              // the request that reach_ belongs to
-  std::vector<Chunk> chunks_;              // chunks of all columns
+  std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
-  // One flag per row of K, in the pattern's order, for each chunk: right-hand sides, and L^-1 times them, may be other
-  // than zero.
+  // Whether right-hand sides, and L^-1 times them, may be nonzero: one flag per row of K, in its order, and chunk.
   std::vector<char> reach_, reached_;
   std::vector<char> nonzero_;  // one flag per row of K
-  std::vector<S> B_;           // right-hand sides, chunk by chunk: the rows that it reaches, in the pattern's order
-  std::vector<int> place_;     // place of each entry of the panel in B_; -1: that is zero
-  std::vector<int> unset_;     // entries of B_ that the terms of contacts are added to before anything is written
+  std::vector<S> B_;           // right-hand sides, chunk by chunk: the reached rows, in the pattern's order
+  std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero
+  std::vector<int> unset_;     // entries of B_ to zero first, as contact terms are added to them
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
-  std::vector<S> inverse_;     // inverse of the pivots
-  std::vector<double> Lx_, Dx_, Kx_;      // one robot's
-  std::vector<Piece> pieces_;             // pieces of all columns
-  std::vector<double> work_;              // a band, chunk after chunk; of solve_refined
+  std::vector<S> inverse_;
+  std::vector<double> Lx_, Dx_, Kx_;      // one robot's L, D, K
+  std::vector<Piece> pieces_;
+  std::vector<double> work_;              // solutions of a band, chunk by chunk; scratch of solve_refined
   double rounding_;                       // sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  // Used if rows depend: J y = f; jvp's dq, vjp's addition to wq; d(J y)/dq, in K's order; a chunk's correction.
+  // With redundant rows: y of J y = f; jvp's dq or vjp's addition to wq; d(J y)/dq in K's order; a chunk's correction.
   std::vector<S> y_, along_, rate_, correction_;
-  std::vector<S> slope_;  // nv, where joints have friction: -d tau_f / dv
+  std::vector<S> slope_;  // nv, if joints have friction: -d tau_f / dv
 };
 
 template <class S>

@@ -1,8 +1,7 @@
 #pragma once
-// RobotBlock of floats: robots alone, solved without refinement. Whether the solution is accurate enough is judged by
-// the effect of rounding errors of all terms. That is one more solve: its right-hand side is the residual b - K x, and
-// eps of the terms that each row was computed from, with signs without pattern. These terms are in the tree frame,
-// where links far from the base lose digits that no residual shows.
+// RobotBlock of floats: single-robot islands, solved without refinement. One more solve estimates the effect of
+// rounding errors: its right-hand side is the residual b - K x plus eps times each row's terms, with pseudo-random
+// signs. Terms are in the tree frame, where links far from the base lose digits that no residual shows.
 
 #include <cstdint>
 #include <numbers>
@@ -11,8 +10,7 @@
 
 namespace manycontact::lanes {
 
-/// Returns an angle [rad] without its whole revolutions. per_turn is 0 for other coordinates. Source: two steps of
-/// fdlibm's e_rem_pio2.c.
+/// Removes whole revolutions of an angle [rad]. per_turn: 1/(2 pi), or 0. Source: two steps of e_rem_pio2.c (fdlibm).
 inline double without_turns(double q, double per_turn) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   const double turns = (q * per_turn + shift) - shift;
@@ -20,7 +18,7 @@ inline double without_turns(double q, double per_turn) {
   return std::abs(q) <= kLargestAngle ? rest : q;
 }
 
-/// Memory.
+/// Allocates memory.
 template <class S>
 void RobotBlock<S>::make_single() {
   near_q_.resize(static_cast<std::size_t>(W * model_->nq));
@@ -36,8 +34,7 @@ void RobotBlock<S>::make_single() {
   }
 }
 
-/// Transforms q so that floats lose no digits: angles without whole revolutions, positions relative to the robot's
-/// base. Positions in the world are then relative to the base, too.
+/// Loads q so that floats lose no digits: no whole revolutions, world positions relative to the robot's base.
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_near(const Job& job, Robots robots) {
@@ -55,13 +52,12 @@ void RobotBlock<S>::load_near(const Job& job, Robots robots) {
   load_arrays(std::span<const double* const>(from, robots.size()), model_->nq, q_.data());
 }
 
-/// The largest of three sizes.
 template <class S, class X>
 S size_of(const X& x) {
   return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
 }
 
-/// Sets sizes of the terms of M a + h - J^T f, for coordinates in K's order.
+/// Sets the magnitudes of the terms of M a + h - J^T f, for coordinates in K's order.
 template <class S>
 void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   const Kinematics<S>& kin = robot_.kin;
@@ -108,7 +104,7 @@ void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   }
 }
 
-/// Sets sizes of the terms of J a + a0, for rows of J in K's order. a: the largest acceleration.
+/// Sets the magnitudes of the terms of J a + a0, for rows of J in K's order. a: the largest acceleration.
 template <class S>
 void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const {
   const Kinematics<S>& kin = robot_.kin;
@@ -119,7 +115,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
     double gain = std::abs(c.alpha);
     for (std::size_t m = 0; c.pair && m < c.pair->members.size(); ++m)
       gain = std::max(gain, std::abs(c.pair->members[m].alpha));
-    S far = size_of<S>(place);  // distance from the base; a float keeps so much of it
+    S far = size_of<S>(place);  // distance from the base: a float rounds it by eps times its size
     for (const Attachment* at : {&c.A, &c.B})
       if (moves(*at)) far += size_of<S>(kin.origin(at->joint));
     const S lever = contacts_[k].joint_lever + size_of<S>(contacts_[k].aMA.p);
@@ -127,7 +123,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
   }
 }
 
-/// The largest size of x in rows first ... end-1, in their own order.
+/// Returns the largest absolute entry of x in rows first ... end-1, in the island's order.
 template <class S>
 S RobotBlock<S>::largest(const S* x, int first, int end) const {
   FourLargest<S> of;
@@ -148,8 +144,8 @@ typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) c
   return out;
 }
 
-/// x = K^-1 b. Usable if rounding errors change no acceleration by more than tolerance::kWorthless of the largest
-/// acceleration or of gravity, and no force by more than that part of the largest force.
+/// Solves x = K^-1 b. Usable if rounding errors change no acceleration by more than tolerance::kWorthless of the
+/// largest acceleration or gravity, and no force by more than that part of the largest force.
 template <class S>
 void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   std::copy_n(n_.b, rows_, n_.x);

@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: inputs of the robots, and K x = b from these.
+// RobotBlock: loads the robots' inputs, and assembles K x = b.
 
 #include "manycontact/rank/row_units.hpp"
 #include "robot_block.hpp"
@@ -10,7 +10,7 @@ namespace manycontact::lanes {
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_state(const Job& job, Robots robots) {
-  serial_ = 0;  // nothing is kept: robots that springs alone join have no border, and come to kernels of robots alone
+  serial_ = 0;  // nothing is kept: robots coupled only by springs have no border, and use these kernels too
   if constexpr (kSingle)
     load_near(job, robots);
   else
@@ -23,7 +23,7 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   load_ends(job.scene, robots);
 }
 
-/// The robots' own placements, inertias and armatures, unless they are the model's.
+/// Loads the robots' own placements, inertias and armatures, unless they are the model's.
 template <class S>
 void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
@@ -44,7 +44,7 @@ void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
 }
 
-/// Loads the placements of contacts' ends: on their bodies, or where they do not move.
+/// Loads the placements of contacts' ends, on moving bodies or fixed.
 template <class S>
 void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
@@ -75,7 +75,7 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   }
 }
 
-/// The robots' own part of K x = b, and which robots' input can be used.
+/// Sets up the robots' own part of K x = b, and decides which robots' input is usable.
 template <class S>
 void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   load_state(job, robots);
@@ -101,7 +101,7 @@ void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// h ID(q, v, stop) in the place of the bias, and then the robots at rest.
+/// Sets the bias to h ID(q, v, stop), h the time step, and then velocities to zero.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
@@ -113,7 +113,7 @@ void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   for (std::vector<Vec6<S>>* motion : {&kin.v, &kin.a}) std::fill(motion->begin(), motion->end(), Vec6<S>::Zero());
 }
 
-/// J x of the contacts on the robots.
+/// Stores J x of the contacts on the robots.
 template <class S>
 void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
   double* to[kMostInBatch];
@@ -156,8 +156,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// The norms of J's rows, and the largest motion that rows are picked from. Pivots do not show which rows are only
-/// rounding errors relative to that motion. Damped rows are always sound.
+/// Computes norms of J's rows and the motion scale, as pivots do not reveal rows of rounding errors; damped rows are
+/// sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
@@ -183,7 +183,7 @@ void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// J and -delta I in K; of the border J comes later, and no damping.
+/// Writes J and -delta I into K. The border's J is written later, without damping.
 template <class S>
 void RobotBlock<S>::assemble_rows(double damping) {
   const int* slot = pattern_.J_slot.data();
@@ -193,7 +193,7 @@ void RobotBlock<S>::assemble_rows(double damping) {
   for (std::size_t k = 0; k < count; ++k) n_.K[pattern_.diagonal_slot[k]] = S(k < own ? -damping : 0);
 }
 
-/// b = [tau - h; wanted - a0; 0]
+/// Sets b = [tau - h; wanted - a0; 0].
 template <class S>
 void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];
@@ -207,7 +207,7 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   std::fill_n(n_.b + rows_, plan_->border(), S(0));
 }
 
-/// r = b - K x, scale = |b| + |K| |x|.
+/// Computes r = b - K x, scale = |b| + |K| |x|.
 template <class S>
 void RobotBlock<S>::residual_and_sizes() {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),

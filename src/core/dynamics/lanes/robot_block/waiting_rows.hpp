@@ -1,8 +1,8 @@
 #pragma once
-// Rows of J that wait, of robots in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in one element
-// has the inverse pivot zero there, and its number is in this element's list. The k-th row of each element's list,
-// other rows in other elements, is one column n = e - z of N: J^T z is this row, z a combination of the rows kept. Rows
-// of robots alone that do not depend on these join them (joining_rows.hpp). Q has N's columns, made orthogonal.
+// Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in an element gets inverse
+// pivot zero there, and is listed for that element. The k-th of each list form column n = e - z of N: J^T z is this
+// row, z combines kept rows. Independent rows of single-robot islands join these (joining_rows.hpp). Q is N
+// orthogonalised.
 
 #include <limits>
 #include <span>
@@ -22,13 +22,13 @@ class WaitingRows {
   using Mask = typename S::Mask;
   explicit WaitingRows(const BlockPlan& plan);
 
-  /// Memory to project so many columns at a time.
+  /// Allocates memory to project `columns` columns at a time.
   void reserve(int columns) {
     t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns)));
     joining_.reserve(columns);
   }
 
-  /// Sets the memory of the current robots' numbers: BlockPlan::waiting_size of each.
+  /// Sets the memory of the current robots: BlockPlan::waiting_size numbers each.
   void use(S* memory) {
     waiting_ = memory;
     row_terms_ = waiting_ + 1;
@@ -41,27 +41,24 @@ class WaitingRows {
     listed_ = count_ + 1 + W;
     lists_ = listed_ + most_ * W;
   }
-  /// The size that row k of J, in K's order, is judged relative to (rank/row_size.hpp), and its largest entry; to be
-  /// set before the factorization.
+  /// The size of row k of J, in K's order (rank/row_size.hpp), and its largest entry. Set both before factorizing.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
-  /// The largest term that its a0 is computed from (bias_acceleration_terms), which its inconsistency is judged
-  /// relative to.
+  /// The largest term of row k's a0 (bias_acceleration_terms), relative to which its inconsistency is judged.
   S& row_terms(int k) const { return row_terms_[k]; }
-  /// The part of row k that take_out kept.
+  /// The part of row k that take_out removed.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// Whether rows wait in any element; in which elements, including rows that joined; and which rows are redundant, in
-  /// K's order.
+  /// Whether rows wait in any element; in which elements, including rows that joined; the redundant rows, in K's order.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
     return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
   }
 
-  /// Multiple of its rounding error that a pivot must exceed, or its row waits. It is 1 where waiting rows cannot join.
+  /// Returns the multiple of its rounding error that a pivot must exceed, or its row waits; 1 if rows cannot join.
   double margin() const { return can_join_ ? tolerance::kWaits : 1; }
-  /// Before a factorization: no row waits. During it: row k waits in the elements where its pivot is not sound.
+  /// Forgets all waiting rows, before a factorization; `add` makes row k wait in elements where its pivot is not sound.
   void clear() {
     std::fill_n(count_, 1 + W, 0);
     joining_.clear();
@@ -76,13 +73,12 @@ class WaitingRows {
     *count_ = 1;
   }
 
-  /// After it: the null space and its projector, and returns the elements whose waiting rows join the rows kept, or
-  /// depend on these by numbers that the projector can take. Those that are not usable have none. solve(x): x <- K1^-1
-  /// x, of all the pattern's rows.
+  /// Computes the null space and its projector after the factorization. Returns the usable elements whose waiting rows
+  /// join the kept rows, or depend on them with tolerable coefficients. solve(x): x <- K1^-1 x, all rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// The part of rows that joined, before and after x <- K1^-1 x of C columns.
+  /// The steps for joined rows before and after x <- K1^-1 x, C columns.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);
@@ -92,7 +88,7 @@ class WaitingRows {
     if (joining_.any()) joining_.template after<C>(x);
   }
 
-  /// Computes the sizes that residuals of all rows are judged relative to (rank::scale_of_dependent), into `judged`.
+  /// Computes into `judged` the sizes relative to which residuals of all rows are judged (rank::scale_of_dependent).
   void scale_of_dependent(const S* scale, S* judged) const {
     std::copy_n(scale, rows_, judged);
     for (int c = 0; c < *count_; ++c) {
@@ -102,21 +98,20 @@ class WaitingRows {
     }
   }
 
-  /// x -= P x, of the rows of J.
+  /// Sets x -= P x in the rows of J.
   void project_out(S* x) { project_out<1>(as_scalar(x)); }
-  /// x -= P x for the rows of J, and stores P x in null_component.
+  /// Sets x -= P x in the rows of J, and stores P x in null_component.
   void take_out(S* x) {
     project_out(x);
     std::fill_n(null_component_, rows_, S(0));
     for (int c = 0; c < *count_; ++c)
       for (int j : column(of_Q(c))) null_component_[j] = multiply_add(N(of_Q(c), j), t_[c], null_component_[j]);
   }
-  /// x -= P x of C columns, row after row.
   template <int C, class V>
   void project_out(V* x) {
     subtract_null_component<C>(x, x);
   }
-  /// x -= P y in the same way.
+  /// Sets x -= P y for C columns, row-major.
   template <int C, class V>
   void subtract_null_component(const V* y, V* x) {
     using Row = sparse::kernel::Tile<V, C>;
@@ -137,8 +132,8 @@ class WaitingRows {
   }
 
  private:
-  static constexpr int kJoined = -1;  // stands for the number of a row
-  struct Entry {  // an entry of J's row in K: its slot, and the column of J, or the row of L before it and its slot
+  static constexpr int kJoined = -1;  // replaces the number of a row that joined
+  struct Entry {  // entry of a row of J in K: its column and slot; or in L: an earlier row of J and the slot
     int row, slot;
   };
   /// Lists of entries, one per row of K.
@@ -148,10 +143,10 @@ class WaitingRows {
     std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
   };
 
-  /// Entries of column c of N, then of Q.
+  /// Columns: N has c, Q has of_Q(c).
   int of_Q(int c) const { return static_cast<int>(most_) + c; }
   S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
-  /// Rows of such a column that are not zero in any element, ascending; their number precedes them.
+  /// The rows of a column that are nonzero in any element, ascending; list() stores their count first.
   int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
   std::span<const int> column(int c) const { return {list(c) + 1, static_cast<std::size_t>(*list(c))}; }
   void list_column(int c) const {
@@ -187,11 +182,11 @@ class WaitingRows {
   bool can_join_;
   std::vector<int> of_J_;       // rows of J in K's order, ascending
   Entries of_row_, of_factor_;  // J's rows: entries of K in rows of M; of L in rows of J before them
-  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // waiting_: how many rows wait; of each row of K
-  S *N_, *inverse_;                // N and Q by columns, as these; inverse squares of the lengths of Q's
-  int *count_, *listed_, *lists_;  // numbers of columns and of each element's rows; these rows; rows of the columns
-  std::vector<S> left_, x_, t_;    // t: of each column of Q, what is projected at a time
-  std::vector<S> terms_, error_;   // the terms of the pivots that waiting rows do not have; what columns of N leave of J
+  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // number of waiting rows; the others per row of K
+  S *N_, *inverse_;                // N and Q by columns; inverse squared norms of Q's columns
+  int *count_, *listed_, *lists_;  // counts of columns and of each element's rows; rows; rows of columns
+  std::vector<S> left_, x_, t_;    // t: coefficients of Q's columns in a projection
+  std::vector<S> terms_, error_;   // terms of removed pivots; relative residuals of N's columns
   JoiningRows<S> joining_;
 };
 
@@ -246,14 +241,14 @@ typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D,
   if (joining_.any()) join(K, solve);
   for (int c = 0; c < *count_ && out.any(); ++c) out = out & refine(c, out, K, solve);
   out = make_orthogonal(out, K);
-  S kept(0);  // no more than there are coordinates, or they depend
+  S kept(0);  // more rows than coordinates cannot be independent
   for (int l = 0; l < W; ++l) kept.set(l, static_cast<double>(of_J_.size() - of(l).size()));
   out = out & (kept <= S(pattern_.nv));
   if (!out.any()) clear();
   return out;
 }
 
-/// Refines column c of N with the rows kept, and returns the elements where the row that waits depends on these.
+/// Refines column c of N with the kept rows; returns the elements where the waiting row depends on these.
 template <class S>
 template <class Solve>
 typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solve) {
@@ -268,7 +263,7 @@ typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solv
   return depends;
 }
 
-/// Rows that are independent of the rows kept join them. The remaining rows start with z = 0.
+/// Rows that are independent of the kept rows join them. The columns of the remaining rows restart with z = 0.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::join(const S* K, Solve&& solve) {
@@ -276,7 +271,7 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
   const auto entries = [&](int l, int k, auto&& use) {
     for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
   };
-  const auto terms = [&](int l, int k) {  // a row that is only rounding does not join
+  const auto terms = [&](int l, int k) {  // a row that is only rounding error does not join
     double sum = terms_[k][l];
     if (!(entry_[k][l] > tolerance::kRank * row_size_[k][l])) sum = std::numeric_limits<double>::infinity();
     entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
@@ -318,7 +313,7 @@ void WaitingRows<S>::forget(int lane) {
   count_[1 + lane] = kept;
 }
 
-/// Counts the rows that wait, and takes their pivots away. Returns the usable elements without too many.
+/// Counts the waiting rows, and removes their pivots. Returns the usable elements without too many.
 template <class S>
 typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   *waiting_ = S(0), *count_ = 0;
@@ -337,7 +332,7 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
 
-/// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
+/// Solves L^T z = l_k over the rows of J before k, and sets column e_k - z of N.
 template <class S>
 void WaitingRows<S>::null_column(int c, const S* L) {
   for (int k : of_J_) x_[k] = N(c, k) = S(0);
@@ -355,7 +350,7 @@ void WaitingRows<S>::null_column(int c, const S* L) {
   list_column(c);
 }
 
-/// left <- J^T n; returns its largest entry relative to the sizes of the rows. NaN where any is.
+/// Sets left = J^T n; returns its largest entry relative to the sizes of the rows, or NaN.
 template <class S>
 S WaitingRows<S>::residual(int c, const S* K) {
   std::fill(left_.begin(), left_.end(), S(0));
@@ -369,8 +364,7 @@ S WaitingRows<S>::residual(int c, const S* K) {
   return select(largest > S(0), largest / size, sum);
 }
 
-/// z += K_kept^-1 of what z leaves, in the elements that are open: where the pivots kept were too small for l_k to be
-/// accurate, or a row depends on later ones, too.
+/// Adds K_kept^-1 times z's residual in open elements, as small pivots or later rows make l_k alone inaccurate.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
@@ -383,15 +377,15 @@ void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
   list_column(c);
 }
 
-/// Q, whose projector is as accurate with large entries of N as with small ones. Returns the elements of `of` where its
-/// columns leave no more of J's rows than rounding. Elements with fewer columns have zeros in the others.
+/// Computes Q, whose projector is accurate also if N has large entries. Returns the elements of `of` whose columns
+/// satisfy J^T q = 0 up to rounding. Surplus columns of an element are zero.
 template <class S>
 typename S::Mask WaitingRows<S>::make_orthogonal(Mask of, const S* K) {
   for (int c = 0; c < *count_ && of.any(); ++c) {
     const int q = of_Q(c);
     std::copy_n(&N(c, 0), rows_, &N(q, 0));
     bool changed = false;
-    for (int b = 0; b < 2 * c; ++b) {  // twice: the second time takes out what rounding left
+    for (int b = 0; b < 2 * c; ++b) {  // Gram-Schmidt twice, because of rounding
       const int other = of_Q(b % c);
       S sum(0);
       for (int j : column(other)) sum = multiply_add(N(other, j), N(q, j), sum);

@@ -59,11 +59,10 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
     s.armature[dof + i] = model.armature[of.idx_v + i];
     b.joints[dof + i] = data.tau[robot.idx_v + of.idx_v + i];
   }
-  if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // bases accelerate by -gravity
+  if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // gravity as an acceleration of the bases
 }
 
-// Evaluates the rows' unit forces on their bodies, and the right-hand side: what remains of each row's equation if the
-// bodies do not accelerate.
+// Evaluates the rows' unit forces on bodies, and the right-hand side: residuals without body accelerations.
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
@@ -73,7 +72,7 @@ void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem
   body_rows(scene, contact, kinematics_at(bodies, contact.A), kinematics_at(bodies, contact.B), none, none, rows);
   data.workspace->rows_state[c] = data.workspace->state;
   keep_left(*data.workspace, c, rows);
-  rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not known now, should there be memory for it
+  rows.Jl.setConstant(std::numeric_limits<double>::quiet_NaN());  // not computed by this system
   rows.J.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < contact.rows(); ++i) {
     const V6 unit = rows.W.row(i).transpose();
@@ -107,7 +106,7 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// The terms that accelerations of the bodies are computed from, and the largest moment arm.
+// Returns the largest terms of the bodies' accelerations, and the largest moment arm.
 RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodies, double& lever) {
   RowTerms<double> out;
   for (const V6& c : bodies.solution.b.motion) {
@@ -129,7 +128,7 @@ RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodi
   return out;
 }
 
-// Sizes of rows are moment arms here: there is no J.
+// Sizes of rows are moment arms here, as J is not computed.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
   rank::Contradiction<double> of;
   std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, bodies.solution);
@@ -157,8 +156,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Solves without the redundant rows. Afterwards their inconsistency is added to b again, so that the residual contains
-// it.
+// Solves without the redundant rows, then adds their inconsistency to b again so that the residual contains it.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;
@@ -171,13 +169,13 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
-// Whether sparse-bodies drops rows: with few coordinates the whole K is as fast, and keeps derivatives.
+// Whether sparse-bodies drops rows: with few coordinates the whole K is as fast, and provides derivatives.
 bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
   return may_drop_rows(scene, island.contacts) &&
          (data.options.method == Method::kSparseBodies || island.nv >= tolerance::kFewCoordinates);
 }
 
-// kNone: the factor and the solution are sound.
+// Solves the whole island; kNone: factor and solution are sound.
 Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
   evaluate_bodies(scene, data, bodies);
   Reason reason =
@@ -209,7 +207,7 @@ Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependenc
   const Reason reason = factorize_bodies(system, ldl, &solve.b);
   if (reason != Reason::kNone) return reason;
   refinement = solve_lifted(system, ldl, solve, tolerance::kRefinementSteps);
-  if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // NaN where x is not finite
+  if (refinement.backward_error <= tolerance::kConverged) return Reason::kNone;  // false if x is NaN
   return all_finite(solve.b) ? Reason::kLargeResidual : Reason::kNotFinite;
 }
 
@@ -254,7 +252,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   whole.add(nonzeros(*factor.system.pattern, factor.ldl), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
   if (std::ranges::any_of(owner.island.contacts, [&](int c) { return scene.contacts[c].pair != nullptr; })) {
-    const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own have gravity in them
+    const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own terms include gravity
     report.contact_terms = Ja + a0;
   }
   if (!factor.ldl.found.empty()) {
@@ -282,7 +280,7 @@ bool BodiesSystem::differentiate(const Scene& scene, SceneData& data, ThreadWork
   const AtSolution at(scene, data, owner.island);
   internal::right_hand_sides(scene, data, owner, out);
   if (out.cols > 0) factor.solve_panel(out.X.data(), static_cast<int>(out.X.cols()));
-  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
+  out.X.bottomRows(out.nc) *= -1;
   return !out.X.hasNaN();
 }
 

@@ -1,10 +1,10 @@
-// Bounds of errors of a solution by sparse-bodies: of the body-space system A z = b, componentwise,
+// Componentwise error bounds of a solution of the body-space system A z = b:
 //
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
-// where each equation's terms are those of one body and its parent, and A is symmetric once unknowns and equations are
-// paired (a with f's, f with a's). The entries of b count with the terms they are computed from: v x* Y v is a
-// difference of products as large as |v|^2 |Y|, which cancel for a body that is fast relative to its joints' speeds.
+// where each equation has the terms of one body and its parent, and A is symmetric if unknowns are paired with
+// equations (a with f's, f with a's). Rounding of b is relative to its terms: those of v x* Y v, of size |v|^2 |Y|,
+// cancel for bodies that are fast relative to their joints.
 
 #include <algorithm>
 #include <cmath>
@@ -22,20 +22,20 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// The terms that a contact's a0 is computed from; a placement in the world is as accurate as its own digits.
+// Returns the largest terms of a contact's a0; a placement in the world has the rounding error of its own digits.
 internal::RowTerms<double> answered(const Contact& contact, const ContactData<double>& rows) {
   const double place = contact.B.robot < 0 ? internal::largest_entry<double>(contact.B.placement.p) : 0;
   return internal::row_terms<double>(contact, rows, place);
 }
 
-// Returns one vector: first each body's equations of a and f, then those of the joints and the rows.
+// Returns one uncertainty per equation: each body's a and f, then joints and rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
   std::vector<double> w;
-  // an underflow is rounded to multiples of eps times the smallest normal number
+  // underflow: errors are multiples of eps times the smallest normal number
   const auto rounding = [c](double scale) { return c * std::max(scale, std::numeric_limits<double>::min()); };
   w.reserve(12 * static_cast<std::size_t>(p.nodes) + p.nv + p.nc);
   for (int i = 0; i < p.nodes; ++i) {
@@ -65,7 +65,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
   return w;
 }
 
-// |A^-1| w over the joints' or the rows' unknowns: the 1-norm of diag(w) A^-T restricted to these columns.
+// Returns the largest |A^-1| w of joints or of rows: the 1-norm of diag(w) A^-T restricted to these columns.
 double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -87,7 +87,7 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
     std::fill_n(x, of_rows ? rows : joints, 0.0);
     if (!of_rows) std::fill_n(x + rows, p.nc, 0.0);
   };
-  // A^-1 and its transpose: what c does to qdd is what tau does to f, up to signs, which norms do not see
+  // Solves with A^-1 or its transpose, which exchanges the roles of a and f, up to signs that norms ignore.
   const auto solve = [&](double* x, bool transposed) {
     take(x);
     solve_bodies(s, form.factor.ldl, v.b, v.x);
@@ -105,7 +105,7 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
 
 double largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
 
-// Bodies' weights and bias forces are loads, too.
+// Returns the loads, including bodies' weights and bias forces.
 internal::Acting what_acts(const Scene& scene, const BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -131,7 +131,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
   const std::vector<double> w = uncertainty(scene, data, *this);
-  // if subtrees were solved: the distance to the whole system's solution, whose error is bounded
+  // if subtrees were solved: plus the distance to the whole system's solution, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());
@@ -151,7 +151,7 @@ bool BodiesSystem::estimate_condition(const Scene& scene, SceneData& data, Islan
   const int n = owner.island.size();
   const auto multiply = [&](double* x) { internal::multiply_bodies(factor.system, x); };
   std::vector<double> b(n), r(n);
-  const auto solve = [&](double* x) {  // refined once, as MatrixSystem's
+  const auto solve = [&](double* x) {  // refined once, as in MatrixSystem
     std::copy_n(x, n, b.data());
     factor.solve(x);
     std::copy_n(x, n, r.data());

@@ -1,5 +1,4 @@
-// jvp and vjp of an island solved by sparse-bodies: as derivatives/products.cpp, each body in its body frame, and the
-// accelerations' and forces' changes left to the body-space system, which has them as unknowns.
+// jvp and vjp by sparse-bodies, as derivatives/products.cpp but in body frames, with da and df of bodies as unknowns.
 
 #include "manycontact/contact/products.hpp"
 
@@ -15,7 +14,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// S x of a node's joint.
+// Returns S x of a node's joint.
 V6 combine(const BodySystem& s, int i, const double* x) {
   const int first = s.pattern->first_dof[i];
   V6 out = s.S.col(first) * x[first];
@@ -23,7 +22,7 @@ V6 combine(const BodySystem& s, int i, const double* x) {
   return out;
 }
 
-// Motion of the parent, about the node's origin.
+// Returns the parent's motion at the node's origin.
 V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
   const int parent = s.pattern->parent[i];
   return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);
@@ -41,7 +40,7 @@ void each_node(const BodiesSystem& form, Use&& use) {
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
 }
 
-// Displacements and velocities along (dq, dv), and what these do to the equations: d(S qdd + c), d(Y a + p), S^T f.
+// Computes displacements and velocities along (dq, dv), and the changes d(S qdd + c), d(Y a + p), d(S^T f).
 void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
   const BodySystem& s = form.factor.system;
   const BodyVectors& x = form.solution.x;
@@ -91,7 +90,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// The gradients of the bodies' own equations, with u, l in products.x.
+// Computes gradients of the bodies' own equations, with u and l in products.x.
 void adjoint_bodies(BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
@@ -120,7 +119,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Turns gradients per body into gradients per coordinate, as algorithm/rnea_products.hpp's pull_back.
+// Converts gradients per body into gradients per coordinate, as pull_back of algorithm/rnea_products.hpp.
 void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -174,7 +173,7 @@ bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
   internal::evaluate_rows_at_solution(scene, *this);
   body.resize(factor.system.pattern->nodes);
   products.resize(*factor.system.pattern);
-  BodyVectors& in = w.dx;  // dq, dv of the island, until dx is needed
+  BodyVectors& in = w.dx;  // dq, dv of the island; dx overwrites them
   BodyVectors& in2 = w.residual.r;
   each_velocity_block(scene, island, [&](int from, int to, int n) {
     in.joints.segment(to, n) = p.dq.segment(from, n);

@@ -1,6 +1,5 @@
-// An island by sparse-bodies where constrained bodies cut its trees (kkt/bodies/subtrees.hpp). The rows of such a body
-// determine its acceleration, so no subtree waits for another: each is evaluated, and subtrees of one shape are solved
-// and judged as soon as they fill a SIMD batch. Their reactions on constrained bodies are added last.
+// Sparse-bodies on subtrees (kkt/bodies/subtrees.hpp), which are independent as rows determine the acceleration of a
+// constrained body. Those of one shape are solved when they fill a SIMD batch; reactions are added last.
 
 #include <algorithm>
 
@@ -25,7 +24,7 @@ void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& us
   }
 }
 
-// The equations of a subtree, its bases moved as the body above is.
+// Evaluates a subtree's equations; its bases move with the constrained body above.
 void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
                       BodiesSystem::Slot& slot) {
   BodySystem& s = slot.system;
@@ -45,7 +44,7 @@ void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& b
   }
 }
 
-// Factorizes the rows that constrain a body, and solves for its acceleration. False: the rows are (nearly) redundant.
+// Factorizes the rows that constrain a body, and solves for its acceleration. False: they are (nearly) redundant.
 bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
   if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
   V6 g;
@@ -57,7 +56,7 @@ bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& hel
   return true;
 }
 
-// Accelerations and forces of a subtree.
+// Stores accelerations and forces of a subtree.
 void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
   const BodySubtree& subtree = *slot.subtree;
   const BodyPattern& p = *subtree.pattern;
@@ -70,8 +69,7 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// Computes the reaction of a subtree on the body that it hangs on. Returns the part of it that the body's rows do not
-// support, relative to the terms of the sum.
+// Computes the reaction of a subtree on the body above. Returns the relative part that the body's rows cannot support.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();
@@ -85,7 +83,7 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Solves the subtrees in a shape's slots, in a SIMD batch where that is sound. False: one has no sound solution.
+// Solves the subtrees in a shape's slots, in a SIMD batch if that is sound. False: one has no sound solution.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

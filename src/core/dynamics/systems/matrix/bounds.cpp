@@ -16,13 +16,13 @@ namespace {
 
 using Apply = std::function<void(double*)>;
 
-// x <- K^-1 x (or K's generalised inverse) by the current factor.
+// Returns x <- K^-1 x (or K^+ x) by the current factor.
 Apply inverse(MatrixSystem& m) {
   return [&m](double* x) { m.factor->solve(x); };
 }
 
-// Sizes of the linear and the angular part of a motion or a force: a body that only slides has no moment arm, and its
-// rotation must not count with the distance of its placement.
+// Magnitudes of the linear and the angular part of a motion or a force. They are separate: a body that only slides has
+// no moment arm, so the distance of its placement must not enlarge its rotation.
 struct TwistSize {
   double linear = 0, angular = 0;
   double of(const TwistSize& motion) const { return linear * motion.linear + angular * motion.angular; }
@@ -32,7 +32,7 @@ struct TwistSize {
   }
 };
 
-// Sizes of the terms that an inertia was computed from, where they exceed its own entries.
+// Magnitudes of the terms that an inertia was computed from, if larger than its own entries.
 struct InertiaSize {
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
@@ -44,7 +44,7 @@ struct InertiaSize {
   TwistSize operator*(const TwistSize& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
 };
 
-// Size of a motion subspace's column, its moment arm included.
+// Returns the size of a column of a motion subspace, its moment arm included.
 TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
   TwistSize out;
   out.take(kin.J.col(k));
@@ -54,7 +54,7 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 
 }  // namespace
 
-// M's entries are S^T Yc S, h's S^T f, with Yc and f about the tree frame's origin.
+// Terms of M's entries are S^T Yc S, those of h are S^T f, with Yc and f about the tree frame's origin.
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
   std::vector<TwistSize> v(n), acceleration(n), force(n);  // sizes of the motions: the largest from the base on
@@ -93,7 +93,7 @@ void internal::torque_terms(const Model& model, const RobotData& r, const double
   }
 }
 
-// c eps: of a sum down the deepest tree.
+// Returns c eps for a sum along the deepest chain of joints.
 double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;
   for (int r : m.owner.island.robots)
@@ -135,8 +135,7 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// |r| + c eps (everything the rows were computed from), in elimination order. r has only what the solve left: the
-// inconsistency of contacts is no error of least squares.
+// Returns |r| + c eps (terms of each row), in elimination order; r without the contacts' inconsistency.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -157,7 +156,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
     for (int i = 0, row = m.owner.island.row_offset[k]; i < scene.contacts[c].rows(); ++i, ++row)
       w[m.owner.island.nv + row] = terms.of_row(i) * unit_of(m, row);
   }
-  std::vector<double> x(s.x), of_J(w.size(), 0.0);  // both in elimination order
+  std::vector<double> x(s.x), of_J(w.size(), 0.0);
   for (double& entry : x) entry = std::abs(entry);
   internal::add_terms_of_J(scene, work, m, x, of_J);
   const double c = rounding(scene, m);
@@ -171,7 +170,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   return out;
 }
 
-// max over the rows of |K^-1| w times kept: the 1-norm of diag(w) K^-1 diag(kept).
+// Returns the largest kept_k (|K^-1| w)_k: the 1-norm of diag(w) K^-1 diag(kept).
 double bound(const Apply& solve, const std::vector<double>& w, const std::vector<double>& kept) {
   const int n = static_cast<int>(w.size());
   const auto mask = [&](double* x) {
@@ -185,7 +184,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
-// Weights of K's unknowns in the island's rows first ... first+count-1: 1 for a, S for f; zero in all other rows.
+// Returns weights of K's unknowns: 1 for a, S for f in the island's rows first ... first+count-1; zero in all others.
 std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   std::vector<double> kept(m.owner.island.size(), 0.0);
   for (int k = first; k < first + count; ++k)
@@ -193,10 +192,9 @@ std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   return kept;
 }
 
-// If rows depend on others, rounding of J rotates the null space of J^T too, and the forces of least norm with it: by
-// P dJ J^+ f, P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The largest entry of
-// |P| |dJ| |y|, J y = f; dJ is what the rows were computed with in their own columns, and what orthogonal elimination
-// leaves of a row in all (Higham, theorem 19.4).
+// Bounds the change of least-norm forces if rounding errors of J rotate the null space of J^T: P dJ J^+ f, P = I - J
+// J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12), i.e. the largest entry of |P| |dJ| |y| with J y = f.
+// dJ has rounding errors of the rows in their own columns, and of orthogonal elimination in all (Higham, theorem 19.4).
 double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   const int n = m.owner.island.size();
@@ -228,8 +226,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 
 }  // namespace
 
-// dJ is what the rows were computed with in their own columns, and what orthogonal elimination leaves in all (Higham,
-// theorem 20.3).
+// dJ has rounding errors of the rows in their own columns, and of orthogonal elimination in all (Higham, theorem 20.3).
 std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                                    const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
@@ -253,7 +250,7 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// Bounds the error caused by projecting the forces to those of least norm.
+// Bounds the error of projecting forces to least norm.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)
@@ -261,8 +258,7 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-// The size of the solution given, (a, f), and its difference from x = [a; -f], which the whole K gave since: the bounds
-// are x's.
+// The size of the reported solution (a, f), and its distance to the whole K's solution x, to which the bounds apply.
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

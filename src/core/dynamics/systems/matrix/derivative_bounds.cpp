@@ -2,14 +2,13 @@
 //
 //     |Y - Y_true| <= |K^-1| (|R - K Y| + c eps T + c eps |K| |Y| + T_x),
 //
-// T are the sizes of the terms that R is computed from, for they may cancel, and |K| has those of its entries. T_x are
-// the terms that errors of a and f make: derivatives by q are linear in these, and no other derivative has them. Terms
-// of wrenches and springs have neither. Where rows depend, and contradict each other by rho and by columns of
-// derivatives P R, as rounding of a solution (bounds.cpp)
+// T are the magnitudes of the terms of R, which may cancel; |K| those of K's entries; T_x is the effect of errors of a
+// and f, on which only derivatives with respect to q depend. Terms of wrenches and springs have neither. If rows are
+// dependent, with inconsistency rho and columns P R of derivatives, rounding adds as in bounds.cpp
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
-// drho what is not known of rho: its rounding, and all of it where derivatives have no term of it.
+// where drho is the uncertainty of rho: its rounding error, and all of rho if derivatives omit its term.
 
 #include <limits>
 
@@ -24,8 +23,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// |G|, G = d(J^T rho)/dq (least_norm_forces.cpp), of the rows of dynamics, the largest of each over q: a contact's
-// force, in A's axes, on columns of J that turn with those before them (jacobian_rate.hpp). rho: of the island's rows.
+// Returns |G|, G = d(J^T rho)/dq (least_norm_forces.cpp), per row of dynamics the largest over q: a contact's force on
+// columns of J that rotate with joints before them (jacobian_rate.hpp). rho: rows of the island.
 std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                const std::vector<double>& rho) {
   std::vector<double> out(m.owner.island.nv, 0.0);
@@ -48,7 +47,7 @@ std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const 
   return out;
 }
 
-// The largest motions and rotations of a robot's coordinates; the placement of a free base changes nothing.
+// Returns the largest motions and rotations of a robot's coordinates; a free base's placement has no effect.
 RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& kin) {
   RowTerms<double> out;
   for (int k = 0; k < model.nv; ++k) {
@@ -59,8 +58,7 @@ RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& k
   return out;
 }
 
-// terms += |d(S^T f)/dq|, the largest over q, f the contacts' forces on a body and on all that it carries: opposite
-// forces cancel in it, and leave their rounding error.
+// Adds |d(S^T f)/dq|, the largest over q, to terms. f: contact forces on a body and its descendants, uncancelled.
 void add_turned_forces(const Model& model, const Kinematics<double>& kin, const RowTerms<double>& motions,
                        const std::vector<Vec6<double>>& fext, double* terms) {
   std::vector<RowTerms<double>> F(model.njoints());
@@ -78,11 +76,11 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
   }
 }
 
-// Sizes of the terms that derivatives to q and to v are computed from, of K's rows in the island's order: a term that
-// rotates with a coordinate is as large as itself, and products of velocities are twice as large to one of them.
+// Magnitudes of terms of derivatives with respect to q and v, per row of K in the island's order. A term that rotates
+// with q has a derivative of its own size, a product of velocities one of twice its size.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
-  std::vector<double> M;  // one entry per row of dynamics: size of the terms of the largest entry of M's row
+  std::vector<double> M;  // one entry per row of dynamics: terms of the largest entry of M
 };
 TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
@@ -125,14 +123,13 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// T_x, of K's rows in the island's order: the terms of derivatives by q that all accelerations of size a and all forces
-// of size f make.
+// Returns T_x per row of K, in the island's order, if errors of all accelerations are a and of all forces f.
 std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
                                     const std::vector<double>& terms_of_M, double a, double f) {
   const Workspace& work = *data.workspace;
   const Island& island = m.owner.island;
   std::vector<double> out(island.size(), 0.0);
-  std::vector<std::vector<Vec6<double>>> fext;  // one list per robot: sizes of the contacts' forces on its bodies
+  std::vector<std::vector<Vec6<double>>> fext;  // one list per robot: magnitudes of contact forces on its bodies
   for (int r : island.robots) fext.emplace_back(scene.robots[r].model->njoints(), Vec6<double>(Vec6<double>::Zero()));
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = scene.contacts[island.contacts[k]];
@@ -160,8 +157,7 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   return out;
 }
 
-// w += |dK| of the unknowns' sizes, both in order of elimination, in units of rounding: K's entries may be no more than
-// what is left of what they are computed from.
+// Adds |dK| sizes to w, in elimination order and units of rounding: K's entries may be differences of large terms.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
@@ -175,7 +171,7 @@ void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSyste
   add_terms_of_J(scene, work, m, sizes, w);
 }
 
-// The uncertainty of the contacts' inconsistency, per row of the island.
+// Returns the uncertainty of the contacts' inconsistency, per row of the island.
 std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   std::vector<double> out(island.nc);
@@ -191,13 +187,13 @@ std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& w
   return out;
 }
 
-// Columns of derivatives X, in K's units.
+// Columns X of derivatives, and their residuals in units of K.
 struct Panel {
   const AlignedPanel& X;
-  AlignedPanel Y, left;  // [da; -df over S], R - K Y
-  AlignedPanel missed;   // P R, where rows depend
+  AlignedPanel Y, left;  // [da; -df], forces divided by S; R - K Y
+  AlignedPanel missed;   // P R if rows are dependent
 
-  // X may have memory for more columns than R has
+  // X may have memory for more columns than R.
   Panel(const MatrixSystem& m, const AlignedPanel& of, const AlignedPanel& R) : X(of), Y(R), left(R) {
     const int nv = m.owner.island.nv, ld = static_cast<int>(R.cols());
     Y.leftCols(ld) = X.leftCols(ld);
@@ -211,13 +207,13 @@ struct Panel {
   }
 };
 
-// Some of these, all by coordinates of one kind.
+// Columns of a panel with respect to one kind of variable.
 struct Columns {
   const Panel& panel;
   int first, count;
   const AlignedPanel* R = nullptr;             // residual, without external wrenches and springs
   const std::vector<double>* terms = nullptr;  // one entry per row of the island: terms of R
-  std::vector<double> applied = {};            // one entry per row of dynamics: external wrenches' and springs' terms
+  std::vector<double> applied = {};            // one entry per row of dynamics: terms of wrenches and springs
   bool by_q = false;
 
   double largest(const AlignedPanel& X, int row, int rows = 1) const {
@@ -281,7 +277,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     of_a = Known{of.largest(of.panel.X, 0, island.nv), bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = of.largest(of.panel.X, island.nv, island.nc);
-    // changes by external wrenches and springs may cancel those of all others
+    // effects of wrenches and springs may cancel the others
     const double summed = m.deficient() ? bound_of_solution(m, of_applied, island.nv, island.nc) : 0;
     of_f = Known{df, bound(island.nv, island.nc) + projected * (df + summed)}.relative();
   };

@@ -1,4 +1,4 @@
-// The joint-space terms of an island, and its K.
+// Evaluates joint-space terms of an island, and assembles its K.
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-// Factorizes an island's whole K by the first way that is sound, from the chosen one to the dense reference solver.
+// Factorizes an island's whole K by the first sound method, from the chosen one to the dense reference solver.
 
 #include <algorithm>
 #include <array>
@@ -28,13 +28,13 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether the dense reference solver may confirm another solver's result: its time is cubic, its memory quadratic.
+// Whether the dense reference solver may be used to confirm results: its time is cubic, its memory quadratic.
 bool may_ask_oracle(const MatrixSystem& m) {
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
 
-// The sizes that the rows of the island's J are judged relative to.
+// Sets the sizes relative to which the rows of the island's J are judged.
 void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
   size.resize(island.nc);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -44,8 +44,7 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   }
 }
 
-// Whether a row of the island's J consists of rounding errors relative to the contacts' motions. Pivots do not show
-// that.
+// Whether a row of the island's J is only rounding error relative to the contacts' motions; pivots do not reveal this.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
@@ -58,7 +57,7 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// The inconsistency of the contacts. Rows made dependent may leave a residual as large as their change.
+// Returns the inconsistency of the contacts. Rows made dependent may leave a residual as large as their change.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
                                              const std::vector<double>& sizes) {
   const Island& island = m.owner.island;
@@ -84,17 +83,17 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// The backward error relative to the data: each row is compared with the terms from which its entries of M, J and b
-// were computed. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J relative to row_size; two digits less
-// are not accepted. It is used where the ordinary error is too large, since rows of a scene at rest or in free fall
-// consist of rounding: of the largest acceleration that loads amount to, where forces hold it back.
+// Returns the backward error relative to the data: each row's residual is compared with the terms of its entries of M,
+// J and b, of which kPartOfData counts. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J to row_size.
+// It replaces the ordinary error if that is too large: at rest or in free fall, where rows consist of rounding errors,
+// terms are at least those of the largest acceleration that loads cause.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
   constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
   const auto inertia = [&](int k) { return m.K.values[p.K.p[p.iperm[k] + 1] - 1]; };
-  double error = 0, of_rows = 0, largest_a = 0;  // terms of J's rows; accelerations that terms amount to
+  double error = 0, of_rows = 0, largest_a = 0;  // terms of J's rows; accelerations equivalent to terms
   for (int k = 0; k < p.size(); ++k) {
     const double terms = v.scale[p.iperm[k]];
     if (k >= p.nv) of_rows = std::max(of_rows, terms);
@@ -128,7 +127,6 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
     double sum = 0;
     for (int k : columns[c]) sum += a(k);
     for (int i = 0, row = island.row_offset[c]; i < scene.contacts[island.contacts[c]].rows(); ++i, ++row)
-      // The contacts' inconsistency was removed with rounding errors of its largest entries.
       judge(island.nv + row, row_size[row] * sum, std::max(of_rows, kRounding * row_size[row] * largest_a));
   }
   return error;
@@ -157,7 +155,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   report.refinement_steps = refinement.steps + (by.kind == FactorKind::kProximal ? 0 : own);
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
-  // the dense reference solver's result is the most accurate there is
+  // The dense reference solver's result is the most accurate available.
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (m.rows) m.rows->known = false;
@@ -180,8 +178,8 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   return Reason::kNone;
 }
 
-// Factorizes the system in its order and solves it with refinement. kNone: the solution is sound, and the report is
-// whole. Should memory run out, there is neither K nor a factor.
+// Factorizes the system in its order and solves it with refinement. kNone: the solution is sound and the report
+// complete. If an allocation throws, neither K nor a factor is current.
 Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
                IslandReport& report) {
   m.factor = nullptr, m.state = 0;
@@ -191,8 +189,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// LDL whose rows of J may wait; where too many do in a large island, all of them by their pivots alone if these may be
-// sound by far (`plainly`), then with proximal steps. As many rows depend as there are more than coordinates.
+// Adds LDL with waiting rows of J. In large islands where too many rows may wait, it adds LDL with all rows if their
+// pivots are expected to be sound (`plainly`), and then proximal steps. At least nc - nv rows are dependent.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
   const bool large = m.owner.island.nc > tolerance::kFewRows;
   const int depend = m.owner.island.nc - m.owner.island.nv;
@@ -221,7 +219,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
     add_ldl(m, order, !refused && !m.owner.deficient, out);
     if (order != Order::kLeafToRoot) add_ldl(m, Order::kLeafToRoot, false, out);
   }
-  // The last: near a singular configuration no sparse factor may be sound.
+  // The dense solver is last: near a singular configuration no sparse factor may be sound.
   if (dense || m.owner.island.size() <= tolerance::kDenseSize) out.add({FactorKind::kDense, order, damping});
   return out;
 }
@@ -243,8 +241,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   }
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
-  // If the damping is below the rounding errors of K, the solution without damping is used as that of a neighbouring
-  // problem.
+  // Damping below the rounding errors of K is ignored: the undamped solution is that of a neighbouring problem.
   Attempts undamped;
   add_ldl(m, Order::kLeafToRoot, false, undamped);
   if (std::none_of(undamped.list.begin(), undamped.list.begin() + undamped.count,
@@ -259,7 +256,7 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
   if (m.factor == m.dense.get() || !may_ask_oracle(m)) return false;
   const Attempt oracle{FactorKind::kDense, m.owner.choice.order, scene.damping};
   if (attempt(scene, data, thread.scratch, oracle, m, thread.spare_report) == Reason::kNone) return true;
-  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // restores it for calls to come
+  (void)solve_by_fallbacks(scene, data, thread.scratch, m, thread.spare_report);  // restores the factor for later calls
   return false;
 }
 

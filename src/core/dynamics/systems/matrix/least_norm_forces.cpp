@@ -5,19 +5,18 @@
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
-// If rows depend, the force of least norm stays in J's range: P f = 0 for the projector P = I - J J^+ on J^T's null
-// space. Differentiated at constant rank, P df = P D dq with D = d(J(q) y)/dq at constant y = J^+ f: how the contacts'
-// velocities change when the joints move with y.
+// With dependent rows, the least-norm force is in J's range: P f = 0, P = I - J J^+. Differentiated at constant rank, P
+// df = P D dq, with D = d(J(q) y)/dq at constant y = J^+ f.
 //
-// Where the contacts are inconsistent by rho = J a + a0, least squares require J^T rho = 0:
-// J^T (J da + dr2) + G dq = 0 with G = d(J^T rho)/dq at constant rho, so J da = -dr2 - (J^T)^+ G dq on J's range.
-// (J^T)^+ G dq is y of K^+ [G dq; 0]: as J^T rho vanishes everywhere, G dq is in J^T's range, and a of it is zero.
+// If the contacts have inconsistency rho = J a + a0, least squares require J^T rho = 0, so J^T (J da + dr2) + G dq = 0
+// with G = d(J^T rho)/dq at constant rho, and J da = -dr2 - (J^T)^+ G dq on J's range. (J^T)^+ G dq is y of K^+ [G dq;
+// 0], whose a is zero: G dq is in J^T's range, as J^T rho vanishes everywhere.
 
 namespace manycontact::internal {
 
 namespace {
 
-// Jacobian rate of the c-th contact of an island, in the island's coordinates.
+// Returns the Jacobian rate of contact c of an island, in the island's coordinates.
 JacobianRate<double> jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, std::size_t c) {
   const int number = d.island.contacts[c];
   const Contact& contact = scene.contacts[number];
@@ -38,8 +37,7 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// y with J y = f, once per solution. (Which one does not matter: d(J n) = 0 along J n = 0.) It is refined on K, as in
-// every solve, unless the dense reference solver has decomposed J itself.
+// Returns y with J y = f, once per solution (any: d(J n) = 0 along J n = 0), refined on K unless the factor is of J.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;
@@ -62,7 +60,7 @@ const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, Mat
   return w.y;
 }
 
-// use(contact of the island, part of x that is its rows): x by the island's rows.
+// Calls use(contact of the island, its part of x). x: one entry per row of the island.
 template <class X, class Use>
 void each_contact(const Scene& scene, const Island& island, X& x, Use&& use) {
   for (std::size_t c = 0; c < island.contacts.size(); ++c)
@@ -74,14 +72,14 @@ void take_motion(const Scene& scene, const Island& island, const ConstVector& dq
   each_velocity_block(scene, island, [&](int from, int to, int n) { dofs.segment(to, n) = dq.segment(from, n); });
 }
 
-// S rho, by the island's rows: d(J^T S rho) of the rows as they are.
+// Sets rho to S rho, per row of the island, as J^T S rho is differentiated with unweighted rows.
 void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
   remake(rho, m.owner.island.nc);
   for (int k = 0; k < rho.size(); ++k)
     rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// S P S x of the contacts' rows: x, and the result, by the island's rows.
+// Overwrites x, one entry per row of the island, with S P S x.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());
@@ -94,7 +92,7 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// The contacts in J^T's null space, and what coordinates their J changes with: an empty panel of these.
+// Finds the contacts in J^T's null space and the coordinates on which their J depends. Returns a zero panel of these.
 Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;
@@ -210,7 +208,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, con
 
 namespace {
 
-// gradient += sign D(y)^T x, x by the island's rows.
+// Adds sign D(y)^T x to gradient. x: one entry per row of the island.
 void add_transposed(const Scene& scene, const SceneData& data, const MatrixSystem& m, double sign,
                     const Eigen::VectorXd& y, const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   each_contact(scene, m.owner.island, x, [&](std::size_t c, const auto& of_contact) {

@@ -62,8 +62,8 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
-// Calls solve(), which returns whether there is a solution; again with J changed if fewer rows are redundant than at
-// the start, but for the constraint violation.
+// Calls solve(), which returns whether there is a solution. If fewer rows are redundant than at the start of a step, it
+// makes rows dependent within the constraint violation and calls solve() again.
 template <class Solve>
 bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
                           Solve&& solve) {
@@ -76,7 +76,7 @@ bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSyste
   return solve();
 }
 
-// Solves at the current state: K, and x by the first factor that is sound.
+// Solves K x = b at the current state with the first sound factor.
 bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& m,
                     IslandReport& report) {
   m.factor = nullptr;
@@ -86,9 +86,8 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether rounding errors of one equation's terms alone, or the change of J, may change its own unknown by a part of
-// the loads: an inertia or a damping is tiny relative to terms that cancel. Few equations are in doubt; their bounds
-// decide.
+// Whether rounding errors of one equation's terms, or the change of J, may change its own unknown by a part of the
+// loads, because its inertia or damping is tiny relative to cancelling terms. This is rare; error bounds then decide.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and changes
@@ -103,7 +102,7 @@ bool in_doubt(const Scene& scene, const MatrixSystem& m) {
     const double more = changed.empty() ? 0 : std::abs(changed[k]) / kRounding;
     change[row] = std::max(change[row], (m.v.scale[k] + more) / own);
   }
-  const auto doubtful = [&](int row) {  // infinite relative to infinite: nothing is known
+  const auto doubtful = [&](int row) {  // infinity relative to infinity is doubtful
     return !(change[row] <= tolerance::kInDoubt * size[row]) || std::isinf(change[row]);
   };
   return doubtful(0) || doubtful(1);
@@ -128,25 +127,25 @@ bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state != data.workspace->state) return solve_at_state(scene, data, thread, *this, thread.spare_report);
-  if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies, asked since then, overwrote J
+  if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies may have overwritten J since
   return factor;
 }
 
 namespace {
 
-// Whether the panel is accurate.
+// Differentiates by the current factor; returns whether the panel is accurate.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
   if (!internal::weighed_right_hand_sides(scene, data, m, out, thread.panel)) return false;
   internal::solve_panel(scene, m, out, thread.panel);
-  out.X.bottomRows(out.nc) *= -1;  // [da; -df]
+  out.X.bottomRows(out.nc) *= -1;
   if (m.deficient() && out.request.q && out.request.forces) internal::least_norm_forces(scene, data, m, thread.v, out);
   internal::scale_rows(m, out);
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
-// [a; y] <- K^-1 [a; y] of the scratch of products. False where that is inaccurate.
+// Overwrites [a; y] of Workspace::products with K^-1 [a; y]; returns whether that is accurate.
 bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v, ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
   v.resize(m.K.size());
@@ -189,7 +188,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// Returns answer(), whether its result is accurate; if not, once more with the dense reference solver's factor.
+// Returns answer(); if that is false, tries again with the dense reference solver's factor.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

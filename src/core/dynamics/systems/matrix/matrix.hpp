@@ -1,6 +1,6 @@
 #pragma once
-// An island solved by its whole K in joint space: by the factor that was chosen, by one that drops redundant rows, or
-// by the dense reference solver, whichever is sound first (fallbacks.cpp).
+// Solves an island by its whole K in joint space: by the chosen factor, by one that drops redundant rows, or by the
+// dense reference solver, whichever is sound first (fallbacks.cpp).
 
 #include <array>
 #include <span>
@@ -17,15 +17,15 @@ namespace manycontact {
 
 struct ProductWork;
 
-/// Workspace of an island with dependent contact rows, for derivatives and products.
+/// Workspace of derivatives and products of an island with dependent rows.
 struct DependentDerivatives {
-  Eigen::VectorXd y;                     // nv: J y = f
-  bool known = false;                    // y is of the current factor
+  Eigen::VectorXd y;                     // nv: solution of J y = f
+  bool known = false;                    // whether y belongs to the current factor
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
   // set by take_columns
   std::vector<char> in_null_space;  // nc
-  std::vector<int> contacts;        // contacts of the island with rows there
-  std::vector<int> columns, place;  // coordinates that their J changes with; nv: where these are among them
+  std::vector<int> contacts;        // contacts of the island with rows in the null space
+  std::vector<int> columns, place;  // coordinates on which their J depends; nv: indices of coordinates in `columns`
   std::vector<double> panel;        // scratch: size x columns, padded
 };
 
@@ -41,12 +41,11 @@ class MatrixSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// K, its factor and x of the current solution, where another system solved. False: no factor is sound, or K is too
-  /// large for memory.
+  /// Computes K, its factor and x if another system solved. False: no sound factor, or K is too large for memory.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
   /// Whether make_joint_space was called since prepare assigned the island.
   bool has_terms() const;
-  /// Memory of K and its vectors in that order of elimination.
+  /// Allocates K and its vectors in this elimination order.
   void make_room(Order order);
   /// Whether the island has redundant contact rows.
   bool deficient() const;
@@ -62,97 +61,91 @@ class MatrixSystem final : public IslandSystem {
   }
 
   IslandWork& owner;
-  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; by make_joint_space
-  std::uint64_t state = 0;                    // the state that all below belongs to
+  std::vector<std::span<const double>> M, J;  // views of the robots' M and the contacts' J; set by make_joint_space
+  std::uint64_t state = 0;                    // the state of all members below
   KktMatrix K;
   KktVectors v;                   // x: the solution
   std::vector<double> row_terms;  // nc, scratch of the factorization
-  std::vector<double> unit;       // nc, or empty where all are 1: S of row_units.hpp, of K and v
-  // Made when first needed, one per attempt (Attempts below): the chosen method's, LDL whose rows may wait in the
-  // chosen order and leaf-to-root, the proximal factor, and the dense one.
+  std::vector<double> unit;       // nc, or empty if all are 1: S of row_units.hpp, applied to K and v
+  // Factors of the attempts (Attempts below), constructed on demand; LDL with waiting rows: chosen order, leaf-to-root.
   std::unique_ptr<Factor> chosen, waiting_in_order, waiting, proximal, dense;
-  Factor* factor = nullptr;    // the one that solved; nullptr: none did
+  Factor* factor = nullptr;    // the factor that solved; nullptr: none
   double first_error = 0;      // backward error before refinement
-  bool contradiction = false;  // the contacts are inconsistent: least squares
+  bool contradiction = false;  // whether the contacts are inconsistent: least squares
   WithinTolerance within;
-  double tolerated = 0;        // inconsistency that rows made dependent may have, relative to their terms
+  double tolerated = 0;        // inconsistency allowed in rows made dependent, relative to their terms
   std::vector<int> dependent;  // scratch: rows of J
-  std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products, if rows depend
+  std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products if rows are dependent
 };
 
 inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 1 : m.unit[row]; }
 
 namespace internal {
 
-/// Rows of contacts times S, of a panel in the island's order.
+/// Multiplies the contact rows of a panel, in the island's order, by S.
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Right-hand sides of K's derivatives, with the terms of inconsistent contacts. While AtSolution lives. False: they
-/// are inaccurate.
+/// Computes right-hand sides with the terms of inconsistent contacts; AtSolution is alive. False: inaccurate.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
-/// Bounds of the errors of a and f, and the sizes that they are relative to (bounds.cpp).
+/// Returns a's and f's sizes, error bounds and the loads that these are relative to (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// x <- K^-1 x, refined once: with nearly massless bodies a single solve leaves rounding errors of terms that cancel.
+/// Sets x = K^-1 x, refined once, as nearly massless bodies leave rounding errors of cancelling terms.
 void solve_refined_once(MatrixSystem& system, double* x);
-/// |K|_1.
+/// Returns |K|_1.
 double norm_of(const MatrixSystem& system);
-/// |K|_1 |K^-1|_1, estimated.
+/// Returns an estimate of |K|_1 |K^-1|_1.
 double condition_of(MatrixSystem& system);
-/// The largest entry of |K^-1| w among rows first ... first+count-1 of the island's, those of f in newtons and newton
-/// metres, within a factor of three. w: a size per row of K, in order of elimination.
+/// Returns the largest entry of |K^-1| w in rows first ... first+count-1 of the island, within a factor of three;
+/// forces in N and N m. w: one size per row of K, in elimination order.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-/// The same of |K^-1 K^-1| w.
+/// Returns the same for |K^-1 K^-1| w.
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-/// c eps: of a sum down the deepest tree.
+/// Returns c eps for a sum along the deepest chain of joints.
 double rounding(const Scene& scene, const MatrixSystem& system);
-/// c eps of J: no less than what is left of rows that were dropped, which other ways to drop as many leave elsewhere.
+/// Returns c eps for J: at least the residual of dropped rows, since the choice of dropped rows is not unique.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// w += |dJ| times the sizes of K's unknowns, in units of c eps, all in order of elimination: J's entries may be no
-/// more than what is left of what they are computed from.
+/// Adds |dJ| sizes (of K's unknowns) to w, in elimination order and units of c eps; J may be a difference of terms.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
-/// If contacts are inconsistent by r, rounding errors of J change the least squares by K^+ K^+ [dJ^T r; 0] (Golub,
-/// Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). Returns |dJ^T r| in elimination order; r is in this order, too.
+/// Returns |dJ^T r| in elimination order, as r: with inconsistency r, rounding errors of J change the least-squares
+/// solution by K^+ K^+ [dJ^T r; 0] (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12).
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
-/// Bounds of the errors of an island's derivatives (derivative_bounds.cpp). False: there is none.
+/// Computes error bounds of an island's derivatives (derivative_bounds.cpp). False: there are none.
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
                        const IslandDerivatives& derivatives, DerivativeBounds& out);
 
-/// Memory for a robot's kinematics and dynamics terms, the first time.
+/// Allocates a robot's kinematics and dynamics terms at the first call.
 void make_robot(const Scene& scene, Workspace& work, int robot);
 /// Whether the robot's terms were evaluated at the current state.
 bool is_evaluated(const Workspace& work, int robot);
-/// Memory for the joint-space terms of an island, the first time. Throws std::length_error beyond 2^31 entries.
+/// Allocates the joint-space terms of an island at the first call. Throws std::length_error beyond 2^31 entries.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
-/// Kinematics, bias, inertia and contact rows of an island's robots, which have memory for that.
+/// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// Evaluates the same terms at the current state (q, v) unless they are known already. Allocates their memory, so that
-/// the island may be one of sparse-bodies.
+/// Evaluates the same at the current state (q, v) unless known, and allocates memory, also for sparse-bodies.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
-/// The bodies' placements alone, which products with derivatives need in addition to the rows at the solution.
+/// Computes only the bodies' placements, which products with derivatives need besides the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
-/// Throws std::length_error, in the name of `function`, where they may not. instead: the method to use.
+/// Throws std::length_error, naming `function`, if they may not. instead: advice on what to use.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// Assembles K and b = [data.tau - h; wanted - a0] from the evaluated terms, in the elimination order `order`.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
-/// Multiplies the contacts' rows of both by S, where that is not 1.
+/// Multiplies the contact rows of K and b by S, unless S = 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);
-/// Factorizes and solves by the first way that gives a sound solution: v.x, factor and the report are that solution's.
-/// False where there is none. After evaluate.
+/// Factorizes and solves by the first sound attempt, after evaluate; sets v.x, factor, report. False: none is sound.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// A way to factorize K. The attempts of an island, in order. Of LDL without damping: that whose rows may wait, in the
-/// chosen order and then leaf-to-root. In large islands, where more may wait than serve, each is followed by the
-/// proximal factor, and in the chosen order by LDL of all rows first: pivots may be small and sound. This is left out
-/// where another system had no sound pivots, or found rows dependent, at this state. Of other methods and with damping:
-/// the chosen method and order, with damping leaf-to-root too; without, LDL whose rows may wait. The last: the dense
-/// reference solver.
+/// An attempt to factorize K; attempts_of lists an island's in order. LDL without damping: with waiting rows, in the
+/// chosen order and then leaf-to-root. In large islands, where too many rows may wait, each is followed by the proximal
+/// factor, and in the chosen order preceded by LDL of all rows, unless another system found no sound pivots or
+/// dependent rows at this state. Other methods, or damping: the chosen method and order; with damping then
+/// leaf-to-root, without it LDL with waiting rows. The dense reference solver is last.
 enum class FactorKind { kChosen, kWaiting, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -165,31 +158,29 @@ struct Attempts {
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
-/// Solves by the dense reference solver alone, where another factor does not serve for derivatives. False where it
-/// would take too long or was tried already.
+/// Solves by the dense reference solver if another factor is inaccurate. False: too slow, or tried before.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
 
-/// Overwrites the panel of right-hand sides with [da; -df], by the current factor. NaN where that is inaccurate.
+/// Overwrites the panel of right-hand sides with [da; -df] by the current factor; NaN if that is inaccurate.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
-/// X <- K^+ X of a panel with row stride ld in the same way. False where that is inaccurate.
+/// Overwrites a panel X with row stride ld by K^+ X. False if that is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
-/// v.x <- K^+ v.b by the current factor, refined once. False, and NaN, where that is inaccurate.
+/// Sets v.x = K^+ v.b by the current factor, refined once. False, and v.x NaN, if that is inaccurate.
 bool solve_vector(MatrixSystem& system, KktVectors& v);
 
-// Dependent rows' terms (least_norm_forces.cpp) of derivatives and of products with them. While AtSolution lives.
+// Terms of dependent rows in derivatives and products (least_norm_forces.cpp); AtSolution must be alive.
 
-/// Adds to dforces_dq, or to df = -y of the scratch along dq, what keeps the forces of least norm. v: scratch.
+/// Adds the change of least-norm forces to dforces_dq, or along dq to df = -y of `work`. v: scratch.
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, KktVectors& v,
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// If the contacts are inconsistent, a solves J^T (J a + a0) = 0: adds the effect of J^T's rotation to -dr2, of the
-/// panel or of the scratch along dq. False where that is inaccurate.
+/// Adds the effect of dJ^T to -dr2 (panel, or `work` along dq) if contacts are inconsistent. False: inaccurate.
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds to wq what the transposes of both do. v: l = K^+ [wa; -wf] in v.x; used up. False where it is inaccurate.
+/// Adds the transposes of both to wq. v: l = K^+ [wa; -wf] in v.x, overwritten. False if that is inaccurate.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

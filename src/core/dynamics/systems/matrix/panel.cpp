@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Rows (in elimination order) of a robot, and of everything its coordinates act on.
+// Rows (in elimination order) of a robot, and of all that its coordinates affect.
 struct Reach {
   const Scene& scene;
   const Island& island;
@@ -22,7 +22,7 @@ struct Reach {
     for (int i = first; i < first + count; ++i) nonzero[iperm[i]] = 1;
   }
   void robot(std::size_t k) { mark(island.dof_offset[k], scene.robots[island.robots[k]].model->nv); }
-  // The contacts on robot k; with `bodies`, also the robots at their other ends.
+  // Marks the contacts on robot k and, if `bodies`, the robots at their other ends.
   void contacts(std::size_t k, bool bodies) {
     for (std::size_t c = 0; c < island.contacts.size(); ++c) {
       const Contact& contact = scene.contacts[island.contacts[c]];
@@ -36,7 +36,7 @@ struct Reach {
   }
 };
 
-constexpr int kChunk = 64;  // columns: as many as any factor works at a time
+constexpr int kChunk = 64;  // largest number of columns that any factor processes at a time
 
 void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool refined, PanelWork& work) {
   if (refined)
@@ -45,7 +45,7 @@ void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool r
     m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }
 
-// Chunk by chunk, so that columns meet only the rows that their robots reach before they meet all others.
+// Solves in chunks of columns, so that each visits only the rows that its robots reach.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
@@ -73,15 +73,15 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
-// Growth of K's entries, beyond which a factor's solutions are judged by their own residuals.
+// Whether K's entries grow so much that a factor's solutions must be checked by their own residuals.
 bool grows_too_much(const Factor& factor) {
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
 
-// |r| relative to |K|_1 |x| + |b|, as refine_panel computes it for a column. Overwrites v.scale.
+// Returns |r| relative to |K|_1 |x| + |b|, as refine_panel does per column. Overwrites v.scale.
 double normwise_error(const MatrixSystem& m, KktVectors& v) {
   const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
-  const bool dependent = m.deficient();  // then r has in it what least squares leave
+  const bool dependent = m.deficient();  // then r contains the least-squares residual
   double r = 0, x = 0, b = 0;
   for (std::size_t k = 0; k < v.x.size(); ++k) {
     r = sparse::larger_or_nan(r, std::abs(dependent ? v.r[k] - v.null_component[k] : v.r[k]));
@@ -96,16 +96,16 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether an unrefined panel is good enough, by the solution's own error before refinement or a bound for every column.
-// Neither is conclusive for redundant rows: small entries are lost in the projections of large ones.
+// Whether an unrefined panel is accurate, by the solution's error before refinement or a bound for all columns. Neither
+// is conclusive with redundant rows: projections of large entries lose small ones.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   if (m.deficient()) return false;
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// If rows depend and entries grow, norms hide what is lost in small entries: columns one by one, refined until each
-// of their rows is as good as the solve's, or no better. False where one is inaccurate.
+// Solves column by column if rows are dependent and entries grow, as norms then hide errors of small entries: each is
+// refined until it stops improving or its rows are as accurate as the solve's. False if one is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());
@@ -119,12 +119,11 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   return true;
 }
 
-// X <- K^+ X of a panel with row stride ld, refined as needed; solve(refined): by the factor, once refined or not.
-// False where that is inaccurate.
+// Overwrites a panel X with row stride ld by K^+ X: solve(refined), then refinement as needed. False: inaccurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;
-  // Memory for refinement is taken before any is needed: a later state may need it, and must not allocate.
+  // Allocates memory for refinement now: a later state may need it, and must not allocate.
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, size);
   reserve(work.R, size);

@@ -1,5 +1,5 @@
 #pragma once
-// The terms that rows of K are computed from at the current state: of contacts (rank/row_size.hpp) and of robots.
+// Magnitudes of the terms from which rows of K are computed, for contacts (rank/row_size.hpp) and robots.
 
 #include "../../workspace/workspace.hpp"
 #include "manycontact/rank/row_size.hpp"
@@ -26,14 +26,14 @@ inline RowTerms<double> bias_acceleration_terms(const Scene& scene, const Worksp
   });
 }
 
-/// The largest motion and the largest turn of a matrix of motions.
+/// Returns the largest translation and the largest rotation in a matrix of motions.
 template <class Motions>
 std::pair<double, double> largest_of_motions(const Motions& J) {
   if (J.cols() == 0) return {};
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }
 
-/// The terms of a contact's rows of J: motions, and rotations at the moment arms of the placements.
+/// Returns the terms of a contact's rows of J: translations, and rotations times the placements' moment arms.
 inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
   const auto [moved, turning] = largest_of_motions(data.Jl);
   double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
@@ -41,8 +41,7 @@ inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<d
   return {std::max(moved, turning * lever), turning, data.pair ? &*data.pair : nullptr};
 }
 
-/// Sizes of all terms that M a + h is computed from, for a robot's coordinates, a its own; and the largest entry of M's
-/// row (bounds.cpp).
+/// Computes per coordinate the magnitude of all terms of M a + h, and the largest entry of M's row (bounds.cpp).
 void torque_terms(const Model& model, const RobotData& robot, const double* a, double* terms,
                   double* largest_of_M = nullptr);
 

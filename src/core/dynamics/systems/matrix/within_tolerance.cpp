@@ -1,27 +1,25 @@
-// Rows of J that depend on each other but for inaccuracy of the scene or drift are made to depend on each other.
+// Makes rows of J dependent that are dependent but for inaccuracy or constraint violation of the scene.
 //
-// A closed loop drawn with four digits, or one that has drifted by 1e-6 m, has rows J_k = sum_j z_j J_j + r with a
-// small r where the mechanism has r = 0. Solved as they are, such rows lock the loop, by forces that are 1 / |r| too
-// large. With the columns n_k = e_k - z of N (rank/dependent_rows.hpp), each column c of J loses its part in N:
+// A closed loop drawn with four digits, or with a constraint violation of 1e-6 m, has rows J_k = sum_j z_j J_j + r with
+// a small r where the mechanism has r = 0. Solved unchanged, such rows lock the loop with forces of order 1 / |r|. With
+// the columns n_k = e_k - z of N (rank/dependent_rows.hpp), each column c of J loses its component in N:
 //
-//     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: those rows of N that column c has
+//     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: the rows of N in which column c has entries
 //
-// This is the least change within the pattern of J after which N^T J = 0. It is made where no entry of J changes by
-// more than its own error: the tolerance t for rows in m at coordinates in rad, t / L for others, L being the largest
-// moment arm. Factors, refinement, derivatives, products and bounds are of this J; the residual and the bounds count
-// its change.
+// This is the least change within the pattern of J after which N^T J = 0. It is made if no entry of J changes by more
+// than its error: tolerance t for rows in m at coordinates in rad, t / L for others, L the largest moment arm.
+// Everything uses the changed J; the residual and the bounds include its change.
 //
-// N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses have no part in this: 1 for
-// coordinates in m, L^2 for those in rad. A row that has nothing to do with a dependence then has entries of N of the
-// size of r, and in a column that only such rows have, their part in N is all of the column. Such a column of N is
-// found again with D_c = |N_c|^2, which minimises the change of J in place of N^T J (iteratively reweighted least
-// squares).
+// N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses are irrelevant: 1 for coordinates
+// in m, L^2 for those in rad. A row unrelated to a dependence then has entries of size r in N, and if a column has only
+// such rows, its whole column is its component in N. Such columns of N are computed again with D_c = |N_c|^2, which
+// minimises the change of J instead of N^T J (iteratively reweighted least squares).
 //
 // There are two tolerances:
-//   - of the scene, for any number of rows;
-//   - of drift, for as many rows as depended at the start. The closed loop is nearest at q + dq, where dq solves
-//     [D J^T; J 0] [dq; y] = [0; -e] for the contact errors e and the rows kept. A joint between here and there turns
-//     the axes and the moment arms of J by |dq_j|, so that t = 2 L sum_j |dq_j|.
+//   - the scene's, for any number of rows;
+//   - that of constraint violation, for as many rows as were dependent at the start. The closed loop is nearest at q +
+//     dq, where [D J^T; J 0] [dq; y] = [0; -e] for contact errors e and the kept rows. The joints turn axes and moment
+//     arms of J by |dq_j| in between, so t = 2 L sum_j |dq_j|.
 
 #include "within_tolerance.hpp"
 
@@ -39,20 +37,18 @@
 namespace manycontact {
 
 struct WithinTolerance::Work {
-  // constants of the island
-  std::vector<char> turns;                                         // one flag per coordinate: its unit is rad
+  std::vector<char> turns;                                         // whether each coordinate is in rad
   std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one per coordinate: contacts that have it; where
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // contacts of each coordinate, and its column there
 
   // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   rank::DependentRows rows;
-  double lever = 1, tolerance = 0;  // the largest [m]; error of those rows of J [m]
+  double lever = 1, tolerance = 0;  // the largest moment arm [m]; error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // per coordinate: N_c^T J_c and the terms of this sum; the sums of the entries of N_c and of their squares, times the
-  // errors of J
+  // One entry per coordinate: N_c^T J_c, terms of this sum; sums of N_c's entries and squares times errors of J.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
@@ -69,7 +65,7 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   for (int r : d.island.robots)
     for (const Joint& joint : scene.robots[r].model->joints)
       for (int k = 0; k < joint.nv(); ++k) w.turns.push_back(internal::is_angular(joint, k));
-  if (!w.columns.empty()) return;  // the rest is the shape's
+  if (!w.columns.empty()) return;  // constant for the island's shape
   w.columns.resize(d.island.nv);
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     for (int i = 0; i < scene.contacts[d.island.contacts[k]].rows(); ++i)
@@ -80,7 +76,7 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   }
 }
 
-// The largest moment arm: metres that a point moves by for a radian; 1 where nothing rotates.
+// Returns the largest moment arm: displacement of a point [m] per radian; 1 without rotations.
 double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) {
   double L = 0;
   for (int c = 0; c < d.island.nv; ++c)
@@ -98,7 +94,7 @@ void find_null_space(const KktPattern& p, Work& w) {
   rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), solve, w.rows);
 }
 
-// [D J^T; J 0] without the rows in w.rows.dropped, as if these were damped beyond all numbers.
+// Factorizes [D J^T; J 0] with the rows in w.rows.dropped damped so much that they have no effect.
 bool factorize_without_dropped(const KktPattern& p, Work& w) {
   for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = -tolerance::kDroppedDamping;
   const bool factorized = sparse::ldl_factor(p.K, p.ldl, w.K.data(), w.ldl, w.L.data(), w.D.data()) == p.size();
@@ -106,8 +102,7 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
   return factorized;
 }
 
-// Drops rows with less than `left` of their pivot, or others in their place where those kept are much smaller. Whether
-// rows were dropped and N can be used.
+// Drops rows with less than `left` of their pivot, or exchanges them. Returns whether N can be used.
 bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;
@@ -115,7 +110,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
   const double margin = left / tolerance::kPivotLeft;
-  w.row_scale.assign(p.size(), 0.0);  // all of a row is dropped where it is below sqrt(left) of what it could be
+  w.row_scale.assign(p.size(), 0.0);  // a row is dropped if below sqrt(left) of its possible size
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
@@ -132,7 +127,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   return w.rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// The error of the rows of J from contacts that are not closed [m].
+// Returns the error of rows of J due to constraint violation [m].
 double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   w.x.assign(p.size(), 0.0);
   int row = 0;
@@ -150,12 +145,12 @@ double drift(const Scene& scene, const Workspace& work, const IslandWork& d, con
   return std::max(most, tolerance::kRank * w.lever);
 }
 
-// The error of an entry of J, in tolerances.
+// Returns the error of an entry of J relative to the tolerance.
 double error_of_entry(const Work& w, int row, int coordinate) {
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
-// Whether w.n leaves no more of any column than changes of its entries within their errors take away.
+// Whether changes of J within its errors can explain the residual that w.n leaves in every column.
 bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.explained, &w.weight}) sum->setZero(p.nv);
   for (int row = 0; row < p.nc; ++row) {
@@ -175,7 +170,7 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       .all();
 }
 
-// w.n -= K_kept^-1 of what it leaves, with D_c = |N_c|^2.
+// Subtracts K_kept^-1 times its residual from w.n, with D_c = |N_c|^2.
 bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) {
     const double unit = w.turns[c] ? w.lever * w.lever : 1;
@@ -190,7 +185,7 @@ bool reweigh(const KktPattern& p, Work& w) {
   return true;
 }
 
-// Columns of N that change J by no more than its errors, as far as one column decides that. False: there are none.
+// Computes columns of N that change J by no more than its errors, each column by itself. False: there are none.
 bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   rank::DependentRows& rows = w.rows;
   std::vector<int> Np{0}, Ni;
@@ -200,7 +195,7 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
     for (int k = rows.Np[column]; k < rows.Np[column + 1]; ++k) w.n[rows.Ni[k]] = rows.Nx[k];
     for (int step = 0;; ++step) {
       for (double& entry : w.n)
-        if (std::abs(entry) <= tolerance::kRank) entry = 0;  // rounding, since the dropped row has 1
+        if (std::abs(entry) <= tolerance::kRank) entry = 0;  // rounding, as the dropped row has entry 1
       if (is_explained(work, d, p, w)) break;
       if (step == tolerance::kReweighted || !reweigh(p, w)) return false;
     }
@@ -215,8 +210,7 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// The change of column c of J for N's rows in `rows`, of which `N` has the values. Whether it is no more than J's
-// error.
+// Computes the change of column c of J for N's rows `rows`, with values `N`. Returns whether it is within J's error.
 bool take_change(const Workspace& work, const IslandWork& d, const std::vector<int>& rows, const Eigen::MatrixXd& N,
                  int c, Work& w) {
   std::vector<RowChange> change;
@@ -229,7 +223,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
       }
   if (change.empty()) return true;
   Eigen::VectorXd J_c(in_N.size());
-  double error = 0;  // the largest
+  double error = 0;  // largest error of the entries
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
     J_c[i] = change[i].value;
     error = std::max(error, w.tolerance * error_of_entry(w, change[i].row, c));
@@ -239,7 +233,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   const auto rounding = [&](const Eigen::VectorXd& sizes) -> Eigen::ArrayXd {
     return tolerance::kNullColumn * (Nt.cwiseAbs() * sizes).array();
   };
-  if ((left.array().abs() <= rounding(J_c.cwiseAbs())).all()) return true;  // depend in truth
+  if ((left.array().abs() <= rounding(J_c.cwiseAbs())).all()) return true;  // rows are dependent without a change
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(Nt.rows(), Nt.cols());
   decomposition.setThreshold(tolerance::kRank);
   const Eigen::VectorXd part = decomposition.compute(Nt).solve(left);
@@ -275,8 +269,7 @@ bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& 
   return true;
 }
 
-// Finds the columns of N and the change of J, or none. The more rows are to be distinguished, the smaller a pivot may
-// be.
+// Finds N and the change of J, with ever smaller pivots to distinguish more rows. False: there is none.
 bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   const double most = tolerance::kMostDrift * w.lever;
   const double largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
@@ -315,7 +308,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // factors of N^T J' v: N, what J changes by, and v, which changes J and is changed
+  constexpr int kFactors = 4;  // factors of N^T J' v: N, and changes of J and of v on either side
   return kFactors * largest * w.tolerance / w.lever;
 }
 

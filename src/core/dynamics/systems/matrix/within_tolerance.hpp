@@ -1,5 +1,5 @@
 #pragma once
-// Scenes that are not exact (Scene::tolerance), and rows that depended on each other at the start of a motion.
+// Makes rows of J dependent within Scene::tolerance, or that were dependent at the start of a motion.
 
 #include <memory>
 #include <span>
@@ -21,13 +21,11 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Changes J so that rows of the island's J depend on each other, where they do within the tolerance, or did at the
-  /// start and now differ by the contacts' misplacements (within_tolerance.cpp). Call it after evaluate. Returns the
-  /// largest inconsistency that such rows may have, relative to the terms that they are computed from.
+  /// Makes rows dependent that are so within the tolerance, or were so at the start but for constraint violation. Call
+  /// it after evaluate. Returns the rows' largest possible inconsistency relative to their terms.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
-  /// The changes of J; empty if there are none.
   std::span<const RowChange> changes() const;
-  /// After that: the error of entries of J in rows of lengths, at a coordinate of the island.
+  /// Returns the error of J's entries in rows of lengths at a coordinate of the island, after make_dependent.
   double inaccuracy(int coordinate) const;
 
   struct Work;
@@ -36,8 +34,7 @@ class WithinTolerance {
   std::unique_ptr<Work> work_;
 };
 
-/// Whether that may be: then the whole K solves, no other system. Rows that depended at the start are considered only
-/// where fewer are found to depend.
+/// Whether rows may be made dependent, so that only the whole K solves. Earlier dependence counts if more rows had it.
 bool is_inexact(const Scene& scene, const IslandWork& d);
 
 }  // namespace manycontact

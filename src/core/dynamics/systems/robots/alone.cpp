@@ -1,4 +1,4 @@
-// Robots alone in SIMD batches: islands of one robot, as many at a time as a batch has elements.
+// Solves single-robot islands in SIMD batches.
 
 #include <algorithm>
 
@@ -58,7 +58,7 @@ void take_dependence(const Scene& scene, const SceneData& data, const lanes::Ans
   report_dependent_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// Puts the islands into w.lanes, each with the group that group_of(island) returns, if any: in batches of `width`.
+// Distributes to w.lanes, in batches of `width`, the islands for which group_of(island) returns a group.
 template <class GroupOf>
 void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_of) {
   InLanes& in = w.lanes;
@@ -98,8 +98,7 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// Calls use(group, robots, numbers of their islands, workspace of the thread) for each batch of `width`. of_solve: the
-// work of a call relative to that of a solve.
+// Calls use(group, robots, islands' numbers, thread's workspace) for each batch. of_solve: work relative to a solve.
 template <class GroupOf, class Use>
 void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   InLanes& in = w.lanes;
@@ -115,17 +114,15 @@ void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve,
   });
 }
 
-// Calls `use` for each batch of doubles.
 template <class GroupOf, class Use>
 void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   if (w.lanes.level) each_batch_of(w.lanes.level->robots.width, scene, w, of_solve, group_of, use);
 }
 
-// Returns the group that computed an island's solution; nullptr if none did, or if it has no derivatives.
+// Returns the group of SIMD batches that solved an island; nullptr if none did, or if it has no derivatives.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-// Solves the islands of one robot that are not solved yet and that fits(group, island) takes, in batches of `width`, by
-// these kernels of their groups.
+// Solves the unsolved single-robot islands accepted by fits(group, island), in batches, by their groups' kernels.
 template <class Kernel, class Fits>
 void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
                       std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {

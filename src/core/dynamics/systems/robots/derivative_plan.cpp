@@ -1,4 +1,4 @@
-// Plan of derivatives robot by robot, known before any number is: patterns, places, predicted cost.
+// Plans derivatives robot by robot: patterns, offsets and predicted cost, independent of the state.
 
 #include <algorithm>
 
@@ -31,9 +31,8 @@ namespace internal {
 
 namespace {
 
-// Multiply-adds of a panel that goes through the island's factor, and is refined in every second state. Where rows
-// depend it is always refined, and projected five times (measured on humanoids on the corners of
-// their soles, with reduce_pairs = false).
+// Returns multiply-adds of a panel solved by the island's factor, refined in every second state; with dependent rows
+// always, and projected five times (measured on humanoids on the corners of their soles, reduce_pairs = false).
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
@@ -41,8 +40,7 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Multiply-adds of the same panel computed robot by robot. Dense products run faster than a sparse solve. Measured on
-// rings and on a beam between two humanoids.
+// Returns multiply-adds of the panel robot by robot (products measured on rings, and a beam between humanoids).
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
@@ -76,8 +74,8 @@ void lay_out_columns(const Island& island, const Interface& interface, const Isl
   r.ld = sparse::padded(at);
 }
 
-// Chooses sample columns from the robots' own coordinates, alternating between q, v and u; each involves the factors of
-// all robots. There are at most sixteen, because they are checked one after another.
+// Chooses at most sixteen sample columns from the robots' own coordinates, alternating between q, v and u. Each
+// involves the factors of all robots; they are checked one after another.
 void choose_sample(RobotsDerivatives& by) {
   by.sample.column.clear();
   for (RobotsDerivatives::OfRobot& r : by.robots) r.sampled.clear();
@@ -148,13 +146,13 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;
   if (!d.robots &&
       costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
-    d.joinable = false;  // whatever the request: both grow with its columns
+    d.joinable = false;  // independent of the request: both costs grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;
   if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);
   RobotsDerivatives& by = *d.robots->derivatives;
   if (by.request != out.request) {
-    by.request.reset(), by.has_room = false;  // should memory run out
+    by.request.reset(), by.has_room = false;  // remains so if an allocation throws
     for (std::size_t k = 0; k < by.robots.size(); ++k) lay_out_columns(d.island, *d.robots->interface, out, k, by);
     choose_sample(by);
     for (const bool dropping : {false, true})

@@ -1,4 +1,4 @@
-// Derivatives robot by robot: the numbers.
+// Computes derivatives robot by robot.
 
 #include "derivatives.hpp"
 
@@ -30,8 +30,7 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags the interface rows, in the order of S, that right-hand sides in these columns reach. columns_of(r): in the
-// panel.
+// Flags the interface rows, in the order of S, that right-hand sides in these columns (columns_of(r)) reach.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -45,7 +44,7 @@ void find_reach(const Interface& interface, const RobotsDerivatives& by, Columns
 const Columns& columns_in_X(const OfRobot& r) { return r.columns; }
 const Columns& columns_in_sample(const OfRobot& r) { return r.sampled; }
 
-// Zeros in the interface rows, wherever right-hand sides reach.
+// Zeros the interface rows that right-hand sides reach.
 void clear_rhs(const Interface& interface, const RobotsDerivatives& by, std::vector<char>& nonzero, AlignedPanel& X) {
   const int ld = static_cast<int>(X.cols());
   for (int first = 0; first < ld; first += RobotsDerivatives::kChunk) {
@@ -62,7 +61,7 @@ lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Coupli
           static_cast<int>(system.owner.shape->support().columns[coupling.number].size())};
 }
 
-// Computes the derivative terms of contacts that couple robots, from the motion of their ends, and their rows of B.
+// Computes the derivative terms of coupling contacts from the motion of their ends, and their rows of B.
 void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSystem& system, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
@@ -97,13 +96,13 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
       });
 }
 
-// A robot's end of a contact that couples it to another robot.
+// A robot's end of a coupling contact.
 struct End {
   const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
   int among;       // number among the robot's joins
-  int row;         // the first in G_r
-  bool B;          // it is the contact's end B
+  int row;         // first row in G_r
+  bool B;          // whether it is the contact's end B
   int first, end;  // range of the contact's columns on this robot
 };
 // Calls use(end) for each coupling contact of robot k, in the order of its joins.
@@ -127,7 +126,7 @@ int place_in_panel(const OfRobot& r, int column) {
   return -1;
 }
 
-// Completes a robot's panel, which has K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r; then T, G, H = G_r P.
+// Completes a robot's panel K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G, H = G_r P.
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
@@ -142,7 +141,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
     kernels.product(e.terms.W(), e.terms.rows, buffers.E.data(), 6, e.terms.rows, size, ldT, r.T.data() + e.row * ldT);
     for (int c = e.first; c < e.end; ++c)
       std::copy_n(e.terms.J + c * e.terms.rows, e.terms.rows, r.G.data() + (columns[c] - o) * ldG + e.row);
-    if (!out.request.q || !e.B) return;  // a force on A is moved by A alone
+    if (!out.request.q || !e.B) return;  // a force on A moves with A alone
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
     kernels.product(buffers.E.data(), ldT, e.terms.D_B(), 6, size, e.first, ldD, buffers.ED.data());
     for (int c = 0; c < e.first; ++c) {  // A's coordinates
@@ -153,11 +152,11 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
   kernels.product(r.G.data(), ldG, r.P.data(), r.nv, ldG, r.ld, r.ld, r.H.data());
 }
 
-// Adds E_r D_r to the sampled columns of B_r, which have the robot's own part.
+// Adds E_r D_r to the sampled columns of B_r, which contain the robot's own part.
 void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out) {
   OfRobot& r = system.derivatives->robots[k];
   if (!out.request.q) return;
-  std::size_t next = 6;  // J_l of an end, behind the force
+  std::size_t next = 6;  // J_l of an end follows the force
   each_end(system, k, [&](const End& e) {
     const std::vector<int>& columns = system.owner.shape->support().columns[e.coupling.number];
     const Eigen::Map<const Mat6X<double>> E(r.ends.data() + next, 6, e.end - e.first);
@@ -174,7 +173,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
   });
 }
 
-// -S Y into the interface rows, which contain B: B_interface - sum_r G_r K_r^-1 B_r.
+// Sets -S Y = B_interface - sum_r G_r K_r^-1 B_r in the interface rows, which contain B_interface.
 void interface_rhs(const RobotsDerivatives& by, AlignedPanel& X) {
   for (const OfRobot& r : by.robots)
     for (std::size_t i = 0; i < r.join.size(); ++i) {
@@ -197,8 +196,8 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Columns first ... first+cols-1 of [da; df] from what interface_rhs left in the interface rows: -Y there, and
-// K_r^-1 B_r - T_r Y in each robot's, K_r^-1 B_r in the columns of columns_of(r).
+// Completes columns of [da; df] after interface_rhs: -Y in interface rows, K_r^-1 B_r (in columns_of(r)) - T_r Y in
+// others.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {
@@ -216,7 +215,7 @@ void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&&
   }
 }
 
-// Column s of the sample for lanes::RobotBlocks::check.
+// Prepares column s of the sample for lanes::RobotBlocks::check.
 void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member) {
   const AlignedPanel& X = by.sample.X;
   member.x = r.x.data(), member.b = r.x.data() + r.size();
@@ -226,8 +225,7 @@ void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member)
     if (r.sampled[j].in_X == s) member.b = r.B.data() + j * r.size();
 }
 
-// Whether every column of the sample has a componentwise backward error, with the island's K, of no more than half of
-// what derivatives are allowed.
+// Whether every sample column's componentwise backward error in K is at most half the limit for derivatives.
 bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, const AlignedPanel& X) {
   RobotsDerivatives& by = *system.derivatives;
   RobotsDerivatives::Sample& sample = by.sample;
@@ -266,7 +264,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
-// Computes from right-hand sides in X what `answer` needs of each robot and of the interface rows; whether it is sound.
+// Computes the input of `answer` from right-hand sides in X; returns whether it is sound.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
@@ -300,12 +298,12 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
                  finish_sample(system, number(l), out);
                }
              });
-  std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // D of S, not of -S
+  std::transform(system.D.begin(), system.D.end(), by.D.begin(), std::negate<>());  // D of S, as the factor is of -S
   interface_rhs(by, out.X);
   return sample_is_good(scene, w, system, out.X);
 }
 
-// The factors of the current state, where another system solved.
+// Computes the factors at the current state if another system solved.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
   if (system.state == data.workspace->state) return true;
   system.first_error = system.owner.matrix.first_error;

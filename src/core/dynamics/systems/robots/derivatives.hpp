@@ -1,16 +1,15 @@
 #pragma once
-// Derivatives of an island robot by robot, of which interface.hpp has the matrices, by the factors that solved it.
-// With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
+// Derivatives of an island robot by robot, by the factors that solved it; interface.hpp defines the matrices. With T_r
+// = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// Forces come out with their own sign, -X; so -Y is in the interface rows of the panel, and the products take it there.
-// A column of B is zero in the rows of most robots. There X_r is -T_r Y alone, a product of as few terms as rows couple
-// the robot, in place of a solve with the island's factor.
+// The panel contains forces -X, so -Y is in its interface rows, where products read it. Most robots' rows of a column
+// of B are zero: X_r = -T_r Y is then a product with few rows, instead of a solve with the island's factor.
 //
-// A contact that joins A and B acts on their bodies alone, by E_r: six columns of forces on robot r's body, so that
-// G_r^T = E_r W^T, and B_r = own columns + E_r D_r, where D_r, six rows, has columns of the other robot's coordinates
-// too. So K_r^-1 [E_r, columns of the robot's own coordinates] is all that SIMD batches solve.
+// A contact that couples A and B acts only on their bodies, by E_r: six columns of forces on robot r's body. So G_r^T =
+// E_r W^T and B_r = own columns + E_r D_r, where D_r (six rows) also has columns of the other robot's coordinates. SIMD
+// batches solve only K_r^-1 [E_r, columns of the robot's own coordinates].
 
 #include <optional>
 
@@ -21,7 +20,7 @@ namespace manycontact {
 
 /// Derivatives of islands of one shape, for one request at a time.
 struct RobotsDerivatives {
-  static constexpr int kChunk = 192;  // columns of X worked at a time, which stay in the cache
+  static constexpr int kChunk = 192;  // columns of X processed at a time, to stay in cache
 
   explicit RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system);
 
@@ -31,21 +30,20 @@ struct RobotsDerivatives {
   struct OfRobot {
     int nv = 0;
     std::vector<int> row, join;  // one entry per row of K_r and of G_r: the island's row; constant
-    std::vector<double> ends;    // ends of the contacts that join it: MovingEnd, then EndForce
+    std::vector<double> ends;    // ends of its coupling contacts: MovingEnd, then EndForce
     // set for the request
-    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // columns of the panel, as lanes::DerivativeJob has them
+    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // columns of the panel, as in lanes::DerivativeJob
     std::vector<Columns> columns;                        // columns where B_r is not zero
     std::vector<Columns> sampled;                        // columns of the sample, in its panel
     std::vector<lanes::Sampled> copied;                  // sampled columns that SIMD batches copy
     int ld = 0;                                          // leading dimension of P and H
-    // numbers
-    AlignedPanel P;            // K_r^-1 [E_r, B_r], forces with their own sign
+    AlignedPanel P;            // K_r^-1 [E_r, B_r], with forces f, not -f
     std::vector<double> G;     // G_r^T, nv x padded
     std::vector<double> H;     // G_r P
-    std::vector<double> T;     // T_r^T where accelerations come out, -T_r^T where forces do; by rows of G_r, padded
+    std::vector<double> T;     // T_r^T in rows of accelerations, -T_r^T in rows of forces; by rows of G_r, padded
     std::vector<double> B;     // sampled columns of B_r, one after the other
-    std::vector<double> x;     // one of the solution; zeros behind it
-    std::vector<double> left;  // interface rows of each column: the robot's part of the residual, and of its size
+    std::vector<double> x;     // one column of the solution, and zeros behind it
+    std::vector<double> left;  // interface rows per column: the robot's part of the residual, and of its scale
     double error = 0;          // largest backward error of these columns in the robot's rows
 
     int size() const { return static_cast<int>(row.size()); }
@@ -53,15 +51,15 @@ struct RobotsDerivatives {
   };
   std::vector<OfRobot> robots;
 
-  std::optional<DerivativeRequest> request;  // laid out for this
-  bool cheaper[2] = {};  // cheaper than the island's factor for `request`: [0] if no rows are dropped, [1] if some are
+  std::optional<DerivativeRequest> request;  // the request that the layout is for
+  bool cheaper[2] = {};  // whether cheaper than the island's factor: [0] without dropped rows, [1] with
   bool has_room = false;
 
-  std::vector<double> terms;    // lanes::JoinTerms of the contacts that join robots, one after the other
-  std::vector<std::size_t> at;  // one entry per contact that joins robots: its offset in `terms`
+  std::vector<double> terms;    // lanes::JoinTerms of the coupling contacts
+  std::vector<std::size_t> at;  // one entry per coupling contact: its offset in `terms`
   std::vector<int> eliminated;  // one entry per interface row, in the order of S: the island's row
   std::vector<double> D;        // D of the factor of S
-  struct Sample {               // a column of each robot's, to be judged with the island's K
+  struct Sample {               // a column per robot, checked with the island's K
     std::vector<int> column;    // columns of X
     AlignedPanel X;
     std::vector<double> b;    // right-hand sides of the interface rows, column after column
@@ -70,7 +68,7 @@ struct RobotsDerivatives {
   struct Buffers {              // memory of a thread
     std::vector<double> work;   // scratch of a solve with S
     std::vector<char> nonzero;  // flags of the rows of S
-    std::vector<double> E, ED;  // columns E of a panel, as rows; K_r^-1 E D
+    std::vector<double> E, ED;  // columns E of a panel, stored as rows; K_r^-1 E D
   };
   std::vector<Buffers> buffers;
 };
@@ -79,11 +77,10 @@ struct RobotsDerivatives {
 
 namespace manycontact::internal {
 
-// The walk through the batches of an island's robots.
+// Iteration over the batches of an island's robots.
 
-/// step(kernel, robots, their memory, memory of the thread) for each batch, each thread's one way and the next time
-/// back: the last ones are still in the cache then. A batch is always the same thread's, whose kernel knows it.
-/// of_solve: the work of all steps that this one belongs to, relative to that of a solve.
+/// Calls step(kernel, robots, their memory, thread's memory) for each batch. A thread always has the same batches, in
+/// alternating direction, as the last are still in cache. of_solve: work of all steps together relative to a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// Each contact to the robot it is on, or to the two that it joins.
+// Assigns each contact to its robot, or to the two that it couples.
 void share_out(const Scene& scene, const Island& island, Interface& j) {
   std::vector<int> first(island.contacts.size());  // interface row of a contact
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -33,7 +33,7 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
   }
   for (std::size_t k = 0; k < j.robots.size(); ++k) {
     Interface::OfRobot& r = j.robots[k];
-    const auto place = [&](int c) {  // robots of one kind have their contacts in one order
+    const auto place = [&](int c) {  // robots of one kind order their contacts identically
       const Contact& contact = scene.contacts[island.contacts[c]];
       return std::tuple(kind_of(contact), end_on(contact, island.robots[k]).joint, c);
     };
@@ -74,7 +74,7 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
 sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
   const auto pairs = [](double rows) { return rows * (rows - 1) / 2; };
   std::vector<double> of_robot(shape.island().robots.size(), 0.0);
-  std::map<std::pair<int, int>, double> of_two;  // rows between two robots: their pairs are counted on both
+  std::map<std::pair<int, int>, double> of_two;  // rows between two robots, whose pairs both robots count
   for (const Contact& contact : shape.scene().contacts) {
     if (!joins_two(contact)) continue;
     const auto [a, b] = std::minmax(contact.A.robot, contact.B.robot);

@@ -1,4 +1,4 @@
-// Plan of robots in SIMD batches, known before any number is: patterns, places, predicted cost.
+// Plans robots in SIMD batches: patterns, offsets and predicted cost, independent of the state.
 
 #include <algorithm>
 #include <array>
@@ -17,8 +17,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// A robot of a shape's scene, the contacts on it alone, those that join it to others, and the pattern of its K without
-// these.
+// A robot of a shape's scene, contacts on it alone, contacts that couple it, and the pattern of its K without these.
 struct Block {
   const Scene& scene;
   int robot;
@@ -64,8 +63,7 @@ double cost_ldl(int rows, double nonzeros, double flops) {
 }
 double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
 
-// Finds the group by all that a plan depends on: structure, friction in joints, contacts' types and joints, order of
-// elimination.
+// Finds the group by all that plans depend on: structure, joint friction, contacts' types and joints, order.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   const Model& model = *scene.robots[block.robot].model;
@@ -88,20 +86,20 @@ BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   return group;
 }
 
-// For up to so many robots at a time.
+// Creates the group's kernels for batches of up to `count` robots.
 void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
   const auto make = [&](auto& kernels, auto of_level) {
     if (kernels.size() < w.threads.size()) kernels.resize(w.threads.size());
     for (auto& kernel : kernels) kernel.make(count, *w.lanes.level, of_level);
   };
   make(group.kernels, [&](const lanes::Level& level) { return level.make(group.plan); });
-  // The inconsistency of a pair's contacts is judged relative to the rounding errors of doubles.
+  // The inconsistency of a pair is judged relative to rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
     make(group.single, [&](const lanes::Level& level) { return level.single.make(group.plan); });
 }
 
-// Group of an island of one robot that is not large; nullptr: it has no place in a SIMD batch.
+// Returns the group of a single-robot island; nullptr if it is too large or otherwise unfit for SIMD batches.
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
@@ -115,14 +113,14 @@ bool can_be_joined(const IslandWork& d, const Options& options) {
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
 
-// Whether a contact comes before another in its group: like ones are adjacent, in any order of the scene.
+// Whether a contact precedes another in its group: identical ones are adjacent, in any order of the scene.
 bool before(const Contact& x, const Contact& y) {
   const auto numbers = [](const Contact& c) {
     return std::array<double, 6>{
         static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
   };
   const auto a = numbers(x), b = numbers(y);
-  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // compares bits: NaN has its place too
+  return std::memcmp(a.data(), b.data(), sizeof a) < 0;  // bitwise, which also orders NaN
 }
 
 InterfaceContactGroup& group_of(const Scene& scene, Workspace& w, int c) {
@@ -165,12 +163,12 @@ double seconds_joined(const RobotsSystem& system, int width) {
   return seconds;
 }
 
-// Predicted cost of an island's own way, which its robots' must be clearly below.
+// Returns the predicted cost of the island's own factor, which that of its robots must be clearly below.
 double cost_of_choice(const IslandWork& d) {
   return predicted_cost_ldl(d.shape->island().size(), d.shape->counts(d.choice.order));
 }
 
-// Whether its robots may be cheaper, as far as is known without the interface rows' patterns.
+// Whether solving robot by robot may be cheaper, judged without the patterns of interface rows.
 bool may_be_cheaper(const IslandWork& d) {
   int rows = 0;
   for (const Contact& contact : d.shape->scene().contacts)
@@ -179,7 +177,7 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
-// A robot of the shape's scene, with the contacts on it alone.
+// Returns a robot of the shape's scene as an island, with the contacts on it alone.
 Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
   Island out;
   out.robots = {shape.island().robots[robot]};
@@ -188,7 +186,7 @@ Island alone(const IslandShape& shape, const Interface& interface, std::size_t r
   return out;
 }
 
-// nullptr: an island's robots or interface rows have no place in SIMD batches.
+// Returns nullptr if the island's robots or interface rows do not fit SIMD batches.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order order) {
   if (!can_be_joined(d, w.options)) return nullptr;
   auto out = std::make_unique<RobotsSystem>(d);
@@ -219,9 +217,9 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   return out;
 }
 
-// Uses the chosen order, but each robot leaf-to-root if contacts-early costs hardly less: that lets entries grow less,
-// so that derivatives robot by robot are sound, which take a quarter of the whole K's. Not if a robot is joined by more
-// rows than it has coordinates: derivatives of hubs are not cheaper.
+// Uses the chosen order, but each robot leaf-to-root if contacts-early costs hardly less: entries then grow less, so
+// that derivatives robot by robot are accurate, which take a quarter of the time of the whole K's. They are not cheaper
+// for hubs, i.e. robots coupled by more rows than they have coordinates.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;

@@ -1,4 +1,4 @@
-// Numerical steps for islands of several robots in SIMD batches.
+// Solves islands of several robots in SIMD batches.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
-// Forms batches of robots of one group, each as large as a SIMD batch can be.
+// Forms batches of robots of one group, each up to a full SIMD batch.
 void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
   s.batches.clear();
   std::size_t size = 0;
@@ -74,7 +74,7 @@ void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& 
   }
 }
 
-// use(a robot's border, its row, the interface row) for each row of G_1, ..., G_n.
+// Calls use(a robot's border, its row, the interface row) for each row of G_1, ..., G_n.
 template <class Use>
 void each_border_row(const RobotsSystem& s, Use&& use) {
   for (std::size_t k = 0; k < s.robots.size(); ++k) {
@@ -87,7 +87,7 @@ bool all_sound(const RobotsSystem& s) {
   return std::all_of(s.members.begin(), s.members.end(), [](const Member& r) { return r.sound; });
 }
 
-// J and a0 of the contacts that join robots, a0 into b.
+// Evaluates J and a0 of coupling contacts; b temporarily contains a0.
 void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
   const auto join = [&](int robot, int among) {
     const auto& r = s.robots[robot];
@@ -111,7 +111,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
       });
 }
 
-// Whether no interface row of J is only rounding error relative to the contacts' motions: pivots do not show that.
+// Whether no interface row of J is only rounding error relative to the contacts' motions; pivots do not reveal this.
 bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
   for (const Member& m : s.members) motion = std::max(motion, m.motion);
@@ -122,14 +122,14 @@ bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
-// b = wanted - a0 of the interface rows, which contain a0.
+// Sets b = wanted - a0 in the interface rows, which contain a0.
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
       s.b[coupling.row + i] = prescribed_in(data, coupling.contact, i) - s.b[coupling.row + i];
 }
 
-// Whether the pivots of -S are more than rounding.
+// Whether the pivots of -S exceed their rounding errors.
 bool sound_interface_pivots(const RobotsSystem& s) {
   for (std::size_t k = 0; k < s.D.size(); ++k) {
     const rank::Pivot<double> pivot{false, s.D[k], s.terms[k], 0};
@@ -138,7 +138,7 @@ bool sound_interface_pivots(const RobotsSystem& s) {
   return true;
 }
 
-// -S = -sum_r G_r K_r^-1 G_r^T - delta I and its factor; false where its pivots are not sound.
+// Assembles -S = -sum_r G_r K_r^-1 G_r^T - delta I and factorizes it; false if its pivots are not sound.
 bool factor_interface(double damping, RobotsSystem& s) {
   const Interface& interface = *s.interface;
   std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
@@ -150,13 +150,13 @@ bool factor_interface(double damping, RobotsSystem& s) {
   sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), nullptr, 0, s.L.data(), s.D.data(), s.terms.data());
   for (int k = 0; k < interface.rows(); ++k) s.terms[k] -= std::abs(s.Sx[interface.S.p[k + 1] - 1]);
   each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
-    s.terms[interface.place[row]] += border.terms()[i];  // the robots' terms in its place
+    s.terms[interface.place[row]] += border.terms()[i];  // replaces the sum by the robots' terms
   });
   for (double& terms : s.terms) terms += damping;
   return sound_interface_pivots(s);
 }
 
-// y += the interface rows of K^-1 r; each robot gets its part of what is added.
+// Adds the interface rows of K^-1 r to y, and passes each robot its part of the increment.
 void solve_interface(RobotsSystem& s) {
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
@@ -168,7 +168,7 @@ void solve_interface(RobotsSystem& s) {
       s, [&](const lanes::Border& border, std::size_t i, int row) { border.y()[i] = s.step[interface.place[row]]; });
 }
 
-// r = b - sum_r G_r x_r + delta y, and the sizes of its terms.
+// Computes r = b - sum_r G_r x_r + delta y, and the sizes of its terms.
 void interface_residual(double damping, RobotsSystem& s) {
   for (std::size_t k = 0; k < s.b.size(); ++k) {
     s.r[k] = s.b[k] + damping * s.y[k];
@@ -180,7 +180,7 @@ void interface_residual(double damping, RobotsSystem& s) {
   });
 }
 
-// The largest residuals and sizes of dynamics rows and of contact rows.
+// The largest residuals and magnitudes of terms: [0] dynamics rows, [1] contact rows.
 struct Largest {
   double r[2] = {0, 0}, scale[2] = {0, 0};
 };
@@ -193,16 +193,15 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// The componentwise backward error of the interface rows, compared with the largest row of the island.
+// Returns the componentwise backward error of the interface rows, relative to the largest row of the island.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// The componentwise backward error (sparse/refine.hpp) of the solution, NaN where any is. A robot's rows are compared
-// with the largest of that robot, which is stricter than the largest of the island. The interface rows are compared
-// with the largest of the island: at rest all their terms are rounding of accelerations that vanish.
+// Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A robot's rows are relative to its
+// own largest row; interface rows to the island's, as at rest all their terms are rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
@@ -222,7 +221,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// The rows of the island that depend on others.
+// Returns the dependent rows of the island.
 std::span<const int> dependent_rows(RobotsSystem& s) {
   IslandWork& d = s.owner;
   d.matrix.dependent.clear();
@@ -238,7 +237,7 @@ std::span<const int> dependent_rows(RobotsSystem& s) {
   return d.matrix.dependent;
 }
 
-// Reports the rows that depend, and their inconsistency. False: they are left to the dense reference solver.
+// Reports the dependent rows and their inconsistency. False: the dense reference solver must decide.
 bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
@@ -250,7 +249,6 @@ bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& 
   return true;
 }
 
-// Stores the solution, in the scene's coordinates.
 void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
   each_batch(w, s, [&](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
     kernel.store(job, robots, memory.at);
@@ -259,7 +257,7 @@ void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
     for (int i = 0; i < coupling.rows; ++i) job.f[job.f_offset[coupling.contact] + i] = -s.y[coupling.row + i];
 }
 
-// Does what RobotBlock::plainly_damped does.
+// Whether rounding errors of damped rows are small, as RobotBlock::plainly_damped.
 bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSystem& s) {
   if (scene.damping == 0) return true;
   double force = 0;
@@ -270,11 +268,11 @@ bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSyste
   return largest_of(s).scale[1] <= tolerance::kInDoubt * scene.damping * force;
 }
 
-// x = K^-1 b, refined.
+// Solves x = K^-1 b with refinement.
 sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, RobotsSystem& s) {
   std::fill(s.y.begin(), s.y.end(), 0.0);
   s.r = s.b;
-  const auto correct = [&] {  // x += K^-1 r
+  const auto correct = [&] {
     solve_interface(s);
     each_batch(w, s, [](Kernel& kernel, std::span<Member> robots, Memory memory, ThreadWork&) {
       kernel.correct(robots, memory);
@@ -286,7 +284,7 @@ sparse::Refinement solve_refined(Workspace& w, double damping, int max_steps, Ro
       max_steps, tolerance::kRefined, [&] { return backward_error_of(s); }, correct);
 }
 
-// [a; y] <- K^-1 [a; y] of the scratch of products, refined once.
+// Overwrites [a; y] of Workspace::products with K^-1 [a; y], refined once.
 void solve_once_refined(const Scene& scene, SceneData& data, RobotsSystem& s, ProductWork& work) {
   Workspace& w = *data.workspace;
   const auto turn = [&] {  // y = -f
@@ -371,7 +369,7 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   refused = !factorize(scene, data);
   if (refused) return false;
   const sparse::Refinement refinement = internal::solve_refined(w, scene.damping, tolerance::kRefinementSteps, *this);
-  state = 0;  // set once the solution is judged
+  state = 0;  // set again once the solution is accepted
   if (!(refinement.backward_error <= tolerance::kConverged)) return false;
   first_error = refinement.first;
   internal::store_answer(internal::job_at_state(scene, data), w, *this);
@@ -389,7 +387,7 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
-  if (owner.deficient) return false;  // the whole K has what the forces of least norm add
+  if (owner.deficient) return false;  // the whole K adds terms of least-norm forces
   internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -397,7 +395,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  if (owner.deficient) return false;  // the whole K has what the forces of least norm add
+  if (owner.deficient) return false;  // the whole K adds terms of least-norm forces
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });

@@ -1,6 +1,5 @@
 #pragma once
-// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, written in the tree frame, where
-// articulated inertias pass to the parent by addition.
+// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame (no transformations).
 
 #include <span>
 
@@ -9,8 +8,8 @@
 namespace manycontact {
 
 template <class S>
-struct AbaData {                         // Scratch of aba. Allocated once per robot.
-  explicit AbaData(const Model& model);  // workspace for this robot
+struct AbaData {                         // Scratch of aba; allocate it once per robot.
+  explicit AbaData(const Model& model);
   std::vector<Mat6<S>> IA;               // njoints: articulated inertia
   std::vector<Vec6<S>> pA;               // njoints: articulated bias force
   Mat6X<S> U;                            // 6 x nv: IA S
@@ -19,8 +18,8 @@ struct AbaData {                         // Scratch of aba. Allocated once per r
   std::vector<Vec6<S>> a;                // njoints: accelerations, a_base = -g
 };
 
-/// qdd = M^-1 (tau - h + sum J^T fext). q: nq; v, tau, qdd: nv; fext: njoints forces in the child frames, or empty.
-/// `kin` is overwritten. Returns false where an articulated inertia D is not positive (singular M); qdd is then NaN.
+/// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`. q: nq; v, tau, qdd: nv; fext: njoints forces in the child
+/// frames, or empty. Returns false if an articulated inertia D is not positive (singular M); qdd is then NaN.
 template <class S>
 [[nodiscard]] bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
                        const ConstVecRef<S>& tau, const Vec3<double>& gravity, std::span<const Vec6<S>> fext,

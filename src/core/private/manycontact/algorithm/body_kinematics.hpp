@@ -1,8 +1,7 @@
 #pragma once
-// Forward kinematics of a robot for deep trees, joint by joint, each body in its **body frame**: world axes, origin at
-// the current place of the body's own child frame. Bodies far from the base lose no digits, as they do in the tree
-// frame (detail/algorithm/kinematics.hpp), where inertias grow with the square of the distance. From a body to the next
-// there is a translation r:
+// Forward kinematics for deep trees, joint by joint, each body in its **body frame**: world axes, origin at the body's
+// child frame. Bodies far from the base lose no digits, unlike in the tree frame (detail/algorithm/kinematics.hpp),
+// where inertias grow with the squared distance. From a body to its child there is a translation r:
 //
 //   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
 
@@ -12,14 +11,14 @@
 
 namespace manycontact {
 
-/// A motion about a point r further on.
+/// Returns a motion at a point displaced by r.
 template <class A, class S>
 Vec6<S> motion_at(const Eigen::MatrixBase<A>& m, const Vec3<S>& r) {
   Vec6<S> out = m;
   out.template head<3>() += cross(m.template tail<3>(), r);
   return out;
 }
-/// A force that acts at r, about the origin.
+/// Returns a force that acts at r, at the origin.
 template <class A, class S>
 Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   Vec6<S> out = f;
@@ -27,32 +26,32 @@ Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   return out;
 }
 
-/// The magnitudes of the terms of a cross product, for vectors with entries of magnitudes a and b.
+/// Returns the magnitudes of the terms of a cross product of vectors with magnitudes a and b.
 template <class S>
 Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
 }
 
-/// Placements and motions of a robot's bodies, each in its body frame. Allocated once per robot.
+/// Placements and motions of a robot's bodies, each in its body frame; allocate once per robot.
 template <class S>
 struct BodyKinematics {
-  explicit BodyKinematics(const Model& model);  // workspace for this robot
+  explicit BodyKinematics(const Model& model);
 
   // set by place_trees, from q
   std::vector<WorldPoint<S>> origins;  // one entry per tree: origin of its frame (detail/algorithm/kinematics.hpp)
 
   // set by body_kinematics, from q, v
   std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
-  std::vector<Vec3<S>> p;  // njoints: its origin in the tree frame; on a tree's path by place_trees
+  std::vector<Vec3<S>> p;  // njoints: its origin in the tree frame; set by place_trees between base and trees
   std::vector<Vec6<S>> v;  // njoints: spatial velocity
 
-  std::vector<int> tree_of;  // njoints: which of the model's trees a body is of
+  std::vector<int> tree_of;  // njoints: number of the body's tree
 };
 
-/// The terms of one joint's equations of motion, in memory of the caller.
+/// Pointers to the terms of one joint's equations of motion, in the caller's memory.
 template <class S>
 struct BodyTerms {
-  Vec3<S>* r;     // origin seen from the parent's, or the base's
+  Vec3<S>* r;     // origin relative to the parent's, or the base's
   S* S_i;         // 6 x nv of the joint, by columns: its motion subspace; zero before the first call
   Inertia<S>* Y;  // the body's inertia
   Vec6<S>* c;     // bias acceleration of the joint, v x S v
@@ -63,8 +62,7 @@ struct BodyTerms {
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 
-/// After place_trees, fills joint i's numbers in `kin`, which has its parent's, and the targets of `terms`. q: nq, v:
-/// nv of the robot.
+/// Computes joint i's entries of `kin`, after its parent's, and `terms`. Call place_trees first. q: nq, v: nv.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
                      const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms);

@@ -1,6 +1,5 @@
 #pragma once
-// The numbers of a robot's model that algorithms read. For double these are those of the model; in SIMD batches of
-// robots of one structure each may have its own.
+// Parameters of a robot's model that algorithms read: the model's or, in SIMD batches, each robot's own.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
@@ -16,7 +15,7 @@ struct ModelNumbers {
   VecX<S> armature;                 // nv
 };
 
-/// The numbers of joint i, as in Joint; each part is made when it is requested.
+/// Placement of joint i; each part is converted when it is requested.
 template <class S>
 struct PlacementOf {
   const SE3<double>& of_model;

@@ -1,34 +1,32 @@
 #pragma once
-// Products with RNEA's derivatives without the matrices: one recursion forth and back, cost linear in the bodies.
-// Everything is in the tree frame. A displacement dq moves body i by the motion xi_i = sum of S_j dq_j along its chain.
-// Source: the forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
+// Products with RNEA's derivatives without matrices, by one forward and one backward recursion, linear in the bodies.
+// Everything is in the tree frame. A displacement dq moves body i by xi_i = sum of S_j dq_j along its chain. Source:
+// forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
-/// One body's variation: the change of its placement and motion in a direction (tangent), or of a scalar per unit each
-/// (adjoint: forces).
+/// One body's change of placement and motion along a direction, or gradients with respect to them (adjoint: forces).
 template <class S>
 struct BodyVariationOf {
   Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
 };
 using BodyVariation = BodyVariationOf<double>;
 
-/// The tangent's forward pass: xi, v, a of every body along (dq, dv) at constant qdd. `kin` is that after
+/// Forward pass of the tangent: xi, v, a of every body along (dq, dv) at constant qdd. `kin`: after
 /// forward_accelerations with qdd. Sizes: dq, dv, qdd nv, out njoints.
 template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
 
-/// The tangent's backward pass: d tau = d ID. fext, dfext: njoints, external forces and their changes; f, df: njoints
-/// scratch. dtau: nv.
+/// Backward pass of the tangent: dtau (nv) = d ID. njoints: fext, dfext external forces, changes; f, df scratch.
 template <class S>
 void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
                      const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,
                      std::vector<Vec6<S>>& df, S* dtau);
 
-/// Virtual velocities u_i = sum of S_j w_j along the chain. w: nv. u: njoints.
+/// Computes virtual velocities u_i = sum of S_j w_j along the chain. w: nv. u: njoints.
 template <class S>
 void virtual_velocities(const Model& model, const Kinematics<S>& kin, const S* w, std::vector<Vec6<S>>& u);
 

@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Kinematics of one robot at q (scene.nq) and v (scene.nv; nullptr: at rest), its memory used again for the next of
-/// the same model.
+/// Kinematics of one robot at a time at q (scene.nq) and v (scene.nv; nullptr: at rest); reuses memory by model.
 class MotionOf {
  public:
   MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)
@@ -37,8 +36,7 @@ class MotionOf {
   Eigen::VectorXd own_v_;
 };
 
-/// look(c, support, rows) for each contact flagged `active`, at q and v (nullptr: at rest). contact_support(contact):
-/// the columns of J, which has those alone.
+/// Calls look(c, support, rows) for each contact flagged `active`, at q, v. J has columns contact_support(contact).
 template <class Support, class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                      const double* v, Support&& contact_support, Look&& look) {
@@ -57,7 +55,7 @@ void each_contact_at(const Scene& scene, const std::vector<char>& active, const 
   }
 }
 
-/// look(c, rows), all of its rows but J.
+/// Calls look(c, rows), with rows without J.
 template <class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                      const double* v, Look&& look) {

@@ -3,18 +3,17 @@
 
 namespace manycontact {
 
-/// The unit normal, out of the surface that a contact's A presses on, in the world. It is the contact's own one. If
-/// there is none, it is the world's z for points, and A's z for contacts that constrain rotations. oRA are A's axes in
-/// the world, and oRB those of B', which are not read if B is the world.
+/// Returns the unit normal in the world, out of the surface that A presses: the contact's own, or A's z for contacts
+/// that constrain rotations, the world's z for points. oRA, oRB: axes of A and B'; oRB is unused if B is the world.
 inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
   if (contact.normal) {
-    const Vec3<double> n = contact.normal->normalized();  // set after add_contact, it may be of any length
+    const Vec3<double> n = contact.normal->normalized();  // may have any length if set after add_contact
     return contact.B.robot < 0 ? n : Vec3<double>(oRB * n);
   }
   return holds_turning(contact.type) ? Vec3<double>(oRA.col(2)) : Vec3<double>(Vec3<double>::UnitZ());
 }
 
-/// The linear force of a contact's rows f, in the axes of its reference frame.
+/// Returns the linear force of a contact's rows f, in the axes of its reference frame.
 inline Vec3<double> linear_force(const Contact& contact, const double* f) {
   if (contact.type == ContactType::k1D) return f[0] * contact.axis;
   if (contact.type == ContactType::k2D) return {f[0], 0, f[1]};

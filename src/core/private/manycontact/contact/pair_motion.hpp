@@ -1,11 +1,11 @@
 #pragma once
-// a0 of a pair (contact/pair_rows.hpp), and how it changes with the relative motion of the bodies.
+// Computes a0 of a pair (contact/pair_rows.hpp) and its derivatives with respect to the bodies' relative motion.
 
 #include "manycontact/contact/pair_rows.hpp"
 
 namespace manycontact {
 
-/// A member's rows, in its own axes, of a motion of its frame: W_m x.
+/// Returns W_m x, a member's rows, in its axes, of a motion x of its frame.
 template <class S>
 Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, const Vec6<S>& x) {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> out(m.rows());
@@ -27,7 +27,7 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
   return out;
 }
 
-/// One member at the state: its motion beyond nudot,
+/// Bias motion of one member, without nudot:
 ///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: rotation, too.
 template <class S>
 struct MemberMotion {
@@ -46,7 +46,7 @@ struct MemberMotion {
     if (c.alpha != 0) x += contact_error<S>(c, G, S(c.alpha));
     return x;
   }
-  /// The change of this motion with nu.
+  /// Returns the derivative of `drift` along dnu.
   Vec6<S> by_motion(const Vec6<S>& dnu) const {
     Vec6<S> x = S(c.beta) * dnu;
     if (c.type != ContactType::k6D)
@@ -54,7 +54,7 @@ struct MemberMotion {
           dnu.template tail<3>().cross(nu.template head<3>()) + nu.template tail<3>().cross(dnu.template head<3>());
     return x;
   }
-  /// And with a displacement s of A. log: log6_derivative(G), of 6D.
+  /// Returns the derivative of `drift` along a displacement s of A. log: log6_derivative(G), for 6D.
   Vec6<S> by_displacement(const Vec6<S>& s, const Mat6<S>& log) const {
     const S alpha(c.alpha);
     if (c.type == ContactType::k6D) return alpha * (log * s);
@@ -69,11 +69,11 @@ struct MemberMotion {
   }
 };
 
-/// x, W, a0 and `left` of a pair, from nu, nudot and G.
+/// Computes x, W, a0 and `left` of a pair from nu, nudot and G.
 template <class S>
 void pair_motion(const Contact& pair, ContactData<S>& d);
 
-/// The derivatives of a pair's x with respect to nu and to a displacement of A, without that of nudot: 6 x 6 each.
+/// Derivatives of a pair's x with respect to nu and to a displacement of A, without those of nudot; 6 x 6 each.
 template <class S>
 struct PairSlopes {
   Mat6<S> by_motion = Mat6<S>::Zero(), by_displacement = Mat6<S>::Zero();

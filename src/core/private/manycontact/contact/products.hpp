@@ -1,28 +1,25 @@
 #pragma once
-// Products with the derivatives of one contact, without the matrices (forward and reverse mode of
-// detail/contact/rows.hpp).
+// Products with one contact's derivatives without matrices (forward and reverse mode of detail/contact/rows.hpp).
 
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Computes changes in a direction in which A's and B's bodies vary by `a`, `b` (in their tree frames; `b` zero for the
-/// world): dr2, the change of x's rows with W rotating along (rows of the contact), and dF, the change of the force on
-/// A in A's axes, including that it is carried along with A. rows: at the solution's accelerations. f: the contact's
+/// Computes changes along variations a, b of A's and B's bodies (tree frames; b zero for the world): dr2 of x's rows
+/// with W rotating, dF of the force on A, in A's axes, with its rotation. rows: at the solution. f: the contact's
 /// force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);
 
-/// Adds the gradients of -w^T J^T f + l^T r2 to the adjoints of A's and B's bodies, in their tree frames. uA, uB:
-/// virtual velocities of the bodies under w. l: rows of the contact.
+/// Adds the gradients of -w^T J^T f + l^T r2 to the adjoints of A's and B's bodies, in tree frames. uA, uB: virtual
+/// velocities of the bodies under w. l: one entry per row of the contact.
 template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
-/// The force F on A, in A's axes, and -F on B' as forces on their bodies in their tree frames: add(attachment, force)
-/// of those that move.
+/// Calls add(attachment, force) for moving bodies with the force F on A (in A's axes) or -F on B', in tree frames.
 template <class S, class Add>
 void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
   if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));

@@ -1,27 +1,26 @@
 #pragma once
-// Rows of 1D and 2D contacts whose axes rotate. detail/contact/rows.hpp has the acceleration of A seen from B', picked
-// along the rows (as Crocoddyl): the rate of that velocity along axes that are fixed in B'. With w the rotation of the
-// rows' axes seen from B' (nu_ang in A's axes; minus that of B' in the world's) the rate of J v is
+// Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, rows select components of A's acceleration relative to
+// B' (detail/contact/rows.hpp), i.e. the rate of velocity along axes fixed in B'. If the rows' axes rotate by w
+// relative to B' (nu_ang in A's axes; minus B''s velocity in the world's), the rate of J v is
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
-// Rows of 3D contacts and others leave nothing of nu_lin, so that the two constrain the same. Here the rows leave the
-// part of nu_lin across them, and only that counts: what is along them vanishes if the contact is satisfied.
+// Rows of 3D and other contacts leave no component of nu_lin free, so both impose the same constraint. Here only the
+// component of nu_lin across the rows matters: along them it vanishes if the contact is satisfied.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::internal {
 
-/// Velocities across the rows are rounding errors up to this part of the velocities they are differences of.
+/// Velocities across the rows below this part of their terms are rounding errors.
 constexpr double kAcrossRows = 1e-12;
 
-/// Whether a contact leaves a direction of motion of its point, so that its rows may turn while A moves across them.
+/// Whether a contact leaves its point a direction of motion, so that its rows may rotate while A moves across them.
 inline bool leaves_directions(const Contact& contact) {
   return contact.type == ContactType::k1D || contact.type == ContactType::k2D;
 }
 
-/// W (w x nu_across): by how much the acceleration of contact_rows differs from the rate of J v. Zero if A does not
-/// move across the rows. Call it after contact_rows.
+/// Returns W (w x nu_across), by which the rate of J v differs from contact_rows's acceleration; call it after that.
 inline Eigen::Vector2d turning_of_rows(const Contact& contact, const ContactData<double>& d) {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!leaves_directions(contact)) return out;

@@ -3,8 +3,7 @@
 
 namespace manycontact {
 
-/// Does what update_kinematics (dynamics/views.hpp) does, in a state that is not validated, such as a solver's trial:
-/// placements are NaN where q or v are not finite.
+/// Same as update_kinematics (dynamics/views.hpp) without checks; NaN if q or v is not finite, as in a solver's trial.
 void follow_kinematics(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q,
                        const Eigen::Ref<const Eigen::VectorXd>& v, SceneData& data);
 

@@ -1,5 +1,5 @@
 #pragma once
-// The one place that knows OpenMP, for loops over things that do not depend on each other.
+// The only interface to OpenMP, for loops with independent items.
 
 #include <atomic>
 #include <cstddef>
@@ -8,15 +8,14 @@
 
 namespace manycontact::internal {
 
-/// OpenMP's number of threads; 1 where the library was built without.
+/// Returns OpenMP's number of threads; 1 without OpenMP.
 int default_threads();
 
-/// work(context, item, thread) for each item of 0 ... count-1; thread k of `threads` has items k, k + threads, ..., so
-/// that the same items meet the same memory in every call. Loops of OpenMP's inside (CHOLMOD's) stay in one thread.
-/// `work` must not throw.
+/// Calls work(context, item, thread) for items 0 ... count-1. Thread k of `threads` has items k, k + threads, ..., so
+/// items meet the same memory in every call. Nested OpenMP loops run in one thread. `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
-/// Runs in parallel any object that can be called as work(item, thread).
+/// Runs any object callable as work(item, thread) in parallel.
 template <class Work>
 void run_items(int threads, std::ptrdiff_t count, Work& work) {
   run_items(

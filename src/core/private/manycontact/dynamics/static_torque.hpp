@@ -1,5 +1,5 @@
 #pragma once
-// Torques that keep the scene at rest at the last solve's q with its contact forces, external wrenches and springs:
+// Torques for rest at the last solve's q with its contact forces, external wrenches and springs:
 //
 //     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: of algorithm/applied_forces.hpp
 
@@ -10,9 +10,9 @@
 
 namespace manycontact {
 
-/// Kinematics of the scene at rest, in addition to those of the solve. Allocated once.
+/// Kinematics of the scene at rest, in addition to the solve's; allocate once.
 struct StaticTorque {
-  explicit StaticTorque(const Scene& scene);       // memory for its robots
+  explicit StaticTorque(const Scene& scene);
   std::vector<Kinematics<double>> kin;             // one entry per robot
   std::vector<RneaDerivatives> terms;              // one entry per robot
   std::vector<std::vector<Vec6<double>>> fext, f;  // one entry per robot: njoints contact forces (tree frame), scratch
@@ -20,16 +20,15 @@ struct StaticTorque {
   AppliedScratch scratch;                          // scratch for the derivatives of `applied`
   Eigen::VectorXd tau;                             // nv: set by static_torque
   Eigen::VectorXd tau_s;                           // nv: torques of `applied`
-  Eigen::VectorXd l, wq, wv;                       // nv: scratch, l zero between uses
+  Eigen::VectorXd l, wq, wv;                       // nv: scratch; l is zero between uses
 };
 
-/// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.wrenches. q: nq. After
-/// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where SIMD batches
-/// solved and `complete` was not called since.
+/// Sets s.tau (nv), with data.wrenches and, if `contacts`, contact forces, after forward_kinematics at q (nq) and a
+/// solve. Throws std::logic_error if SIMD batches solved and `complete` was not called since.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
-/// Computes the derivative of s.tau with respect to q, on the tangent space, with f constant in each contact's frame:
-/// an island's nv x nv. After static_torque with the same `contacts`; crba and, with `contacts`, differentiate.
+/// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space, with f constant in each contact's frame. Call it
+/// after static_torque with the same `contacts`, crba and, with `contacts`, differentiate.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);
 

@@ -1,6 +1,6 @@
 #pragma once
-// The forward path in any scalar: in quadruple precision (library manycontact_quad) the truth that solutions in double
-// are measured against. Its cost is linear: K x = b is refined with residuals in S and a factor in double.
+// The forward path in any scalar: in quadruple precision (library manycontact_quad) it is the reference for solutions
+// in double. Its cost is linear: K x = b is refined with residuals in S and a factor in double.
 
 #include <span>
 
@@ -10,22 +10,21 @@
 namespace manycontact {
 
 template <class S>
-struct Truth {            // A solution, in S.
+struct Truth {
   VecX<S> a;              // scene.nv
   VecX<S> f;              // rows of the active contacts
-  VecX<S> h;              // scene.nv: bias less friction, external wrenches and springs
+  VecX<S> h;              // scene.nv: bias minus friction, external wrenches and springs
   std::vector<int> rank;  // one entry per island
   std::vector<bool> regular;
 };
 
-/// Accelerations and forces at q, v, u (sizes of the scene), for the contacts of `data` and the wrenches it was solved
-/// with, solved by sparse-ldl at this state or within 1e-8 of it: per island
+/// Computes accelerations and forces at q, v, u, for the contacts and wrenches of `data`, which sparse-ldl solved at
+/// this state or within 1e-8 of it. Each island is refined by
 ///
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///
-/// until the backward error stops falling. Islands that sparse-ldl did not solve, or where that ends above 1e4 eps of
-/// S, are solved densely up to `dense_size` unknowns; larger ones are not known: NaN, not regular. rank: nc where
-/// refined.
+/// until the backward error stops decreasing. Islands that sparse-ldl did not solve, or whose error stays above 1e4 eps
+/// of S, are solved densely up to `dense_size` unknowns; larger ones are NaN and not regular. rank: nc if refined.
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,
                       int dense_size);

@@ -1,5 +1,5 @@
 #pragma once
-// Islands of the same trees and contacts share everything that is analysed, and nothing that is measured.
+// Islands with the same trees and contacts share all analyses, which do not depend on the state.
 
 #include <array>
 #include <cstdint>
@@ -16,33 +16,31 @@
 
 namespace manycontact {
 
-/// The part of an island on which patterns and orders depend. Analyses are computed on first request, by any thread,
-/// and kept.
+/// The part of an island on which patterns and orders depend. Analyses are computed at the first call, by any thread.
 class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);
 
-  const Scene& scene() const { return scene_; }     // the island's robots and contacts alone, numbered as in the island
+  const Scene& scene() const { return scene_; }     // only the island's robots and contacts, numbered as in the island
   const Island& island() const { return island_; }  // the whole of scene()
-  /// Support of the joint-space K, like all below but bodies(). In deep trees these grow with the square of the depth.
+  /// Returns the joint-space support; like all below but bodies(), it grows with the squared depth of deep trees.
   const IslandSupport& support() const;
 
-  /// A permutation of K's rows. That of kContactsEarly alone depends on where contacts are on their bodies.
+  /// Returns a permutation of K's rows. Only that of kContactsEarly depends on contacts' positions on their bodies.
   const std::vector<int>& permutation(Order order);
-  /// Counts of the factor in that order, whose pattern need not be made for them.
+  /// Returns counts of the factor in that order, without computing its pattern.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  /// CHOLMOD's analysis of K in that order, rows left as they are.
+  /// Returns CHOLMOD's analysis of K in that order, without reordering.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
-  /// The bodies and rows of the body-space system.
   const std::shared_ptr<const BodyPattern>& bodies();
-  /// And where these fall apart.
+  /// Returns the subtrees into which constrained bodies cut the trees.
   const BodySubtrees& body_subtrees();
 
  private:
   Scene scene_;
   Island island_;
-  mutable std::recursive_mutex mutex_;  // guards all below: one analysis asks for another
+  mutable std::recursive_mutex mutex_;  // guards all below; recursive, as analyses use each other
   mutable std::optional<IslandSupport> support_;
   std::array<std::optional<std::vector<int>>, std::size(kOrders)> permutations_;
   std::array<std::optional<sparse::LdlCounts>, std::size(kOrders)> counts_;
@@ -52,17 +50,16 @@ class IslandShape {
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
 };
 
-/// The shapes met so far. A shape that was met is not analysed again: keys are all that an analysis reads, compared
-/// number by number. Two levels, since places of points on bodies reach the patterns through one permutation only:
-/// islands that differ in such places alone have one shape if their permutations agree. (Of trees so deep that the
-/// permutation is not made, these have shapes of their own.)
+/// The shapes so far, which are not analysed again. Keys are all inputs of an analysis, compared number by number.
+/// Positions of points on bodies affect patterns only through one permutation: islands that differ only in these have
+/// one shape if their permutations agree, except in trees too deep for it.
 class ShapeCache {
  public:
-  /// Allocates nothing when an island with the same trees and contacts was asked for before. by_places: islands that
-  /// differ in places have shapes of their own, which spares the search for the order contacts-early.
+  /// Returns the island's shape; allocates nothing for trees and contacts that were requested before. by_places:
+  /// islands with different positions get separate shapes, which avoids the search for the order contacts-early.
   const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island, bool by_places = false);
   std::size_t size() const { return shapes_.size(); }
-  /// Forgets all others.
+  /// Deletes all shapes that are not in `used`.
   void keep(const std::set<const IslandShape*>& used);
 
  private:

@@ -14,9 +14,8 @@ inline void expect_size(const char* function, const char* what, Eigen::Index giv
                                 " numbers, expected " + std::to_string(expected));
 }
 
-/// Returns why q (nq numbers) is no configuration of these robots, or "" if it is one: a number that is not finite, or
-/// a quaternion of a floating joint that differs from unit length by more than `tolerance`, by default that of solve.
-/// `what` is "q".
+/// Returns why q (nq numbers) is no configuration of these robots, or "": a number is not finite, or the norm of a
+/// floating joint's quaternion differs from 1 by more than `tolerance` (default: that of solve). `what`: "q".
 std::string unusable_configuration(const char* what, const ConstVectorRef& q, const RigidBodies& bodies,
                                    double tolerance = tolerance::kQuaternion);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Objects that are the same for all who ask by equal keys, as long as any of them is alive.
+// Objects shared by all users with equal keys, while any of them is alive.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Words: numbers, bits of doubles, addresses. Tables share what may be long.
+/// Keys: numbers, bits of doubles, addresses. Tables share long ones.
 using Words = std::vector<std::uint64_t>;
 using SharedWords = std::shared_ptr<const Words>;
 
@@ -19,7 +19,7 @@ struct HashOfWords {
   std::size_t operator()(const SharedWords& key) const { return (*this)(*key); }
   std::size_t operator()(const Words& key) const {
     std::uint64_t h = key.size();
-    for (std::uint64_t x : key) {  // a round of splitmix64 for each word
+    for (std::uint64_t x : key) {  // one round of splitmix64 per word
       h += x + 0x9e3779b97f4a7c15;
       h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9;
       h = (h ^ (h >> 27)) * 0x94d049bb133111eb;
@@ -43,7 +43,7 @@ class Interned {
     std::shared_ptr<T> object;
     SharedWords key;
   };
-  /// The one of that key; make() where none is alive.
+  /// Returns the object of that key; calls make() if none is alive. Thread-safe.
   template <class Make>
   Found find(const Words& key, Make&& make) {
     const std::lock_guard lock(mutex_);

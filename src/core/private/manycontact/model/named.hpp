@@ -1,5 +1,5 @@
 #pragma once
-// Enumerators and their names, as tables.
+// Tables of enumerators and their names.
 
 #include <cstddef>
 #include <optional>

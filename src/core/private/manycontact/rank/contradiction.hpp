@@ -1,8 +1,7 @@
 #pragma once
-// Whether redundant contacts are inconsistent: the definition (mathematics.md, Redundant contacts) is
-// |P (J a + a0)| > 1e-8 (| |J| |a| | + |a0|), maximum norms, with P the projector on the null space of J^T. The rest
-// may still be rounding errors of the terms that a0 is computed from, and that is no inconsistency. Templates on the
-// scalar: SIMD batches have one value per robot.
+// Decides whether redundant contacts are inconsistent. The definition (mathematics.md, Redundant contacts) is |P (J a +
+// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms, P the projector on the null space of J^T, unless that is within
+// rounding errors of a0's terms. In SIMD batches the scalar has one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -12,23 +11,23 @@
 
 namespace manycontact::rank {
 
-/// The larger of two numbers that are not negative; NaN where one is.
+/// Returns the larger of two non-negative numbers; NaN if one is NaN.
 template <class S>
 S larger_or_nan(const S& a, const S& b) {
   return select(b <= a, a, select(a <= b, b, S(a + b)));
 }
 
-/// A row of J that depends on others, or that others depend on.
+/// A row of J that depends on others, or on which others depend.
 template <class S>
 struct RowOfContradiction {
   S size;   // size of the row of J (rank/row_size.hpp)
-  S terms;  // the largest that its a0 is computed from
-  S left;   // residual J a + a0: its part in the null space of J^T
+  S terms;  // the largest term of its a0
+  S left;   // residual J a + a0 in the null space of J^T
 };
 
-/// Rounding that the projector P on J^T's null space passes on from row to row. Null vectors y balance the rows, sum of
-/// y_k J_k = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the sizes of the rows. For all rows j that is no
-/// more than min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms that a0 is computed from.
+/// Rounding errors that the projector P on J^T's null space transfers between rows. Null vectors y satisfy sum y_k J_k
+/// = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the rows' sizes. Over all rows j that is at most min(s_k
+/// max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms of a0.
 template <class S>
 class PassedRounding {
  public:
@@ -37,31 +36,30 @@ class PassedRounding {
     by_force_ = larger(S(terms * size), by_force_);
     largest_ = larger(terms, largest_);
   }
-  /// The terms that the rest of a row is compared with: its own, and those of others.
+  /// Returns the terms with which a row's residual is compared: its own, and those transferred from others.
   S terms(const S& size, const S& own) const {
     const S passed = select(size > S(0), -larger(larger(S(-size * by_lever_), S(-by_force_ / size)), -largest_), S(0));
     return larger(own, passed);
   }
-  /// The largest terms of any row.
+  /// Returns the largest terms of any row.
   const S& largest() const { return largest_; }
 
  private:
   S by_lever_ = S(0), by_force_ = S(0), largest_ = S(0);
 };
 
-/// The largest entries of the part of J a + a0 that is left, of |J| |a| and of a0; the largest part of a row's terms
-/// that is left of it; and the range of the rows' sizes.
+/// Largest entries of the residual of J a + a0, of |J| |a|, of a0; largest relative residual; range of row sizes.
 template <class S>
 struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
   S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
 
-  /// |J| |a| and a0 of one row.
+  /// Adds |J| |a| and a0 of one row.
   void add_products(const S& its_Ja, const S& its_a0) {
     Ja = larger(its_Ja, Ja);
     a0 = larger(its_a0, a0);
   }
-  /// The rows that each_row(use(RowOfContradiction)) names, twice; size 0: no row.
+  /// Adds rows; calls each_row(use(RowOfContradiction)) twice. size 0: no row.
   template <class EachRow>
   void add_rows(EachRow&& each_row) {
     using std::abs;
@@ -76,7 +74,7 @@ struct Contradiction {
       largest_row = larger(row.size, largest_row);
     });
   }
-  /// Other rows of the same island.
+  /// Adds other rows of the same island.
   void add(const Contradiction& other) {
     left = larger_or_nan(other.left, left);
     of_terms = larger_or_nan(other.of_terms, of_terms);
@@ -89,13 +87,13 @@ struct Contradiction {
     return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
   }
 
-  /// Whether derivatives have a term of it.
+  /// Whether derivatives include a term of the inconsistency.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether it is more than J a and a0 allow for.
+  /// Whether the residual exceeds what J a and a0 allow.
   bool contradicts() const {
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
-  /// Least squares of rows of very different size, turns and micrometres, are left to the dense reference solver.
+  /// Whether rows of very different sizes (radians, micrometres) need least squares by the dense reference solver.
   bool needs_dense() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
 

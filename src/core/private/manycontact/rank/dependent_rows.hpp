@@ -1,17 +1,15 @@
 #pragma once
-// L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may depend on each other: rows with nothing left of
-// their pivot are dropped, and the null space of J^T shows how they depend on the rows kept. Everything in K's order of
-// elimination, of which flags of_M mark the rows of M: all first, or some after rows of J, where these must have
-// their pivots from the rows of M before them.
+// L D L^T of a saddle point matrix K = [M J^T; J 0] with possibly dependent rows J: rows without a remaining pivot are
+// dropped, and the null space of J^T gives their dependence on the kept rows. Everything is in K's elimination order,
+// with flags of_M for rows of M: all first, or some after rows of J if earlier rows of M determine their pivots.
 //
-// For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the rows kept: L^T z = l_k, of which
-// the part of M vanishes, so only the rows of J before k are solved for. The columns n_k = e_k - z of N span the null
-// space of J^T. With the orthogonal projector P = N (N^T N)^-1 N^T on it,
+// For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = l_k, solved
+// in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// solves M a + J^T y = b1 with a least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of
-// least norm: the solution that rank-revealing dense methods give, in a few more operations than a sparse solve.
+// solves M a + J^T y = b1 with least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of least
+// norm, as rank-revealing dense methods do, at little more than the cost of a sparse solve.
 
 #include <span>
 
@@ -20,102 +18,98 @@
 
 namespace manycontact::rank {
 
-/// Storage is kept between factorizations: nothing is allocated for a matrix of the same pattern and dependences.
+/// Memory is reused: nothing is allocated for the same pattern and dependences.
 struct DependentRows {
-  std::vector<int> dropped;     // rows of K: those that plainly depend, then those that wait and depend, each ascending
-  std::vector<char> turned;     // flags of K's rows: dropped in another's place, it may depend on later ones. Or empty
-  WaitingRows waiting;          // rows without a sound pivot that are kept all the same, and those that depend on them
-  std::vector<char> plain;      // flags of dropped rows: that row alone would be accepted
-  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K ...
-  std::vector<double> Nx;       // ... and values, the 1 of the dropped row first
-  double largest_residual = 0;  // max |J_k - sum z_j J_j|, relative to the rows' largest size, that of j times |z_j|
+  std::vector<int> dropped;     // rows of K: plainly dependent ones, then waiting dependent ones, each ascending
+  std::vector<char> turned;     // one flag per row of K: dropped in exchange, may depend on later rows; or empty
+  WaitingRows waiting;          // rows without a sound pivot that are kept, and rows that depend on them
+  std::vector<char> plain;      // flags of dropped rows: whether only the row itself would be accepted
+  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K, ...
+  std::vector<double> Nx;       // values, the dropped row's 1 first
+  double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest row size, that of j times |z_j|
   double largest_entry = 0;     // max |z_j|
   double largest_projected =
-      0;                    // the same where columns are not made orthonormal: the projector loses its square, in eps
-  int largest_cluster = 0;  // most entries of B that project a row, see Cluster
+      0;                    // max |z_j| of columns not orthonormalised: the projector's error is eps times its square
+  int largest_cluster = 0;  // largest number of entries of B that project a row (Cluster)
 
-  /// Whether the rows dropped depend on those kept in truth, by numbers that the projector can take: what J's rows
-  /// leave is rounding, and no z_j is large where columns were not made orthonormal (kRowLeft, kLargestEntry in
-  /// tolerances.hpp). After find_null_space; else rounding errors hide which rows are dependent.
+  /// Whether the dropped rows depend on the kept ones with tolerable coefficients, after find_null_space: residuals of
+  /// J are rounding errors, and no z_j is large in columns not orthonormalised (kRowLeft, kLargestEntry).
   bool accepted() const;
 
-  /// Dropped rows whose columns of N share rows. They are projected by whichever is smaller: these columns, or those of
-  /// the complement, which [Z; 1] spans in the rows dropped and kept where N is [1; -Z].
+  /// Dropped rows whose columns of N share rows. They are projected by the smaller basis: these columns, or those of
+  /// the complement, spanned by [Z; 1] in dropped and kept rows, where N is [1; -Z].
   struct Cluster {
     int first = 0, count = 0;  // range in `members`
-    int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K that N has there
-    int basis = 0, size = 0;   // columns of B ...
-    // ... which are N's, or span the complement, or are N's made orthonormal, since N has large entries
+    int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K in which N has entries
+    int basis = 0, size = 0;   // columns of B, ...
+    // ... which are N's, a basis of the complement, or N's orthonormalised because of large entries
     enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
-    std::size_t gram = 0;  // offset in `gram`: size x size, by columns: the Cholesky factor of B^T B
+    std::size_t gram = 0;  // offset in `gram` of the Cholesky factor of B^T B, size x size, by columns
   };
   std::vector<Cluster> clusters;
-  std::vector<int> members;  // positions in `dropped`
+  std::vector<int> members;  // indices in `dropped`
   std::vector<int> cluster_rows;
-  std::vector<int> Bp, Bi;  // the clusters' columns, as N's
+  std::vector<int> Bp, Bi;  // the clusters' columns, stored as N
   std::vector<double> Bx, gram;
 
   // scratch
   std::vector<double> least, terms, x, panel, t;
   std::vector<int> owner;
   static constexpr int kColumns = 8;  // of panels, which have a row for each row of K
-  std::vector<double> N, residual;    // some columns of N, and J^T times these: panels, zero but in the rows listed
+  std::vector<double> N, residual;    // panels: some columns of N, and J^T times these; zero but in the rows listed
   std::vector<int> of_N, touched;     // rows of N, and of residual
   std::vector<char> met;              // flags of the rows listed
-  std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots and columns in the rows of M after it
-  bool M_first = true;      // no row of M comes after one of J
+  std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots, and columns in later rows of M
+  bool M_first = true;      // whether no row of M follows a row of J
 };
 
-/// What a factor of K (n rows) asks of the pivots, relative to their terms, into `least` (n): a row of J waits where no
-/// more than `margin` times rounding is left of its pivot or of the row itself (rank/pivots.hpp), a row of M never.
-/// row_size: n, unused for rows of M.
+/// Sets least (n), the pivots required relative to their terms: a row of J waits if its pivot or the row itself does
+/// not exceed `margin` times rounding (rank/pivots.hpp), a row of M never. row_size: n, unused for rows of M.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
-/// After that factor, whose pivots D have these terms: lists the rows that wait in `dropped`, and makes their D
-/// infinite, so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: one of M, or one of
-/// J whose pivot has the wrong sign, or that would wait after `most` others. rows.least is an input.
+/// Lists the waiting rows in `dropped` after the factorization, with pivots D and their terms, and sets their D to
+/// infinity so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: one of M, one of J
+/// with the wrong sign, or one beyond `most` waiting rows. rows.least is an input.
 [[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, int most,
                                     const double* terms, double* D, DependentRows& rows);
 
-/// Both, and the factor row by row.
+/// Does both, and factorizes row by row.
 [[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                        std::span<const char> of_M, double margin, const double* row_size,
                                        sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
-/// N and its projector of the rows that `dropped` lists; row_scale: as row_size there. Sets largest_residual, which is
-/// rounding when these rows depend on the others in truth, and largest_entry. solve: by L and D.
+/// Computes N and its projector for the rows in `dropped`; row_scale: as row_size above; solve: by L and D. Sets
+/// largest_residual, which is rounding error if these rows are dependent, and largest_entry.
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
-/// The clusters and their projectors, of N of n rows.
+/// Computes the clusters and their projectors for N with n rows.
 void make_projector(int n, DependentRows& rows);
 
-/// Other rows to drop, after find_null_space: those of a cluster take turns with rows of its null space until no entry
-/// is larger than kExchanged (tolerances.hpp), as N by another basis would have them. To be factorized and judged
-/// again. False where nothing was exchanged, or a cluster is too large for that.
+/// Exchanges dropped rows of a cluster with rows of its null space, after find_null_space, until no entry exceeds
+/// kExchanged (tolerances.hpp). The caller factorizes again. False: nothing was exchanged, or a cluster is too large.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Which of the rows that wait depend on the others, after ldl_factor_dependent. Those that do not plainly depend on
-/// rows before them join the rows kept by their Schur complement; only those that depend on the rows kept are dropped
-/// in the end. Then N and its projector. False where rounding hides which rows depend.
+/// Determines which waiting rows are dependent, after ldl_factor_dependent. Rows that are not plainly dependent on
+/// earlier rows join the kept ones by their Schur complement; only rows that depend on all kept ones are dropped.
+/// Computes N and its projector. False: rounding hides which rows are dependent.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);
 
-/// X <- K_kept^-1 X: `solve`, by L and D, with the waiting rows.
+/// Overwrites X with K_kept^-1 X: `solve`, by L and D, with the waiting rows.
 void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve);
 
-/// Sizes that residuals are judged relative to, from scale |b| + |K| |x| (n): for a row that was dropped, |N|^T scale,
-/// since rows kept leave z_j times what they leave themselves. In memory of `rows`.
+/// Returns the sizes relative to which residuals are judged, from scale |b| + |K| |x| (n): for a dropped row |N|^T
+/// scale, since errors of kept rows are transferred with z_j. The memory is that of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
-/// y -= P y, and P y into `null_component` when it is given (n, zero outside J's rows). y: n, in K's order; rows of M
-/// unused.
+/// Sets y -= P y, and null_component = P y (n) if given. y: n, in K's order; rows of M are unused.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
-/// The same for the columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
-/// nonzero: a flag per row of K, set where that of X is not zero in these columns; kept so. nullptr: all may be.
+/// Does the same for columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
+/// nonzero: one flag per row of K, set and updated if its row of X is nonzero in these columns; nullptr: all may be.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
                        char* nonzero = nullptr);
 

@@ -7,15 +7,15 @@
 
 namespace manycontact::rank {
 
-/// The x of least |x| among all that minimise |A x - b| (Euclidean norms). A: rows x cols, entries that meet add up.
-/// NaN where A or b is not finite, in x that share rows with it.
+/// Returns the x of least |x| among those that minimise |A x - b| (Euclidean norms). A: rows x cols; duplicate entries
+/// are added. x is NaN where it is coupled with entries of A or b that are not finite.
 ///
-/// [x; y] solves K [x; y] = [0; b] with K = [I A^T; A 0], rows of A that depend on others dropped as dependent_rows.hpp
-/// has it, and refined. Where rounding hides which rows these are, Eigen's complete orthogonal decomposition is used.
-/// Source of the augmented form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
+/// [x; y] solves K [x; y] = [0; b], K = [I A^T; A 0], with dependent rows dropped as in dependent_rows.hpp, and
+/// refined. If rounding hides which rows are dependent, Eigen's complete orthogonal decomposition is used. Source of
+/// the augmented form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
 Eigen::VectorXd least_norm_solution(int rows, int cols, const std::vector<Eigen::Triplet<double>>& A,
                                     const Eigen::VectorXd& b);
-/// The same for a dense A, by that decomposition at once.
+/// Does the same for a dense A, by that decomposition.
 Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 }  // namespace manycontact::rank

@@ -1,6 +1,6 @@
 #pragma once
-// The judge of the pivots of L D L^T = K = [M J^T; J -delta I], in any order of elimination: whether a pivot, or the
-// row of J it belongs to, is more than rounding. All factors ask it, SIMD batches with one value per robot (S).
+// Criteria for pivots of L D L^T = K = [M J^T; J -delta I], in any elimination order: whether a pivot, or its row of J,
+// exceeds its rounding error. All factors use them; in SIMD batches S has one value per robot.
 
 #include <algorithm>
 #include <cmath>
@@ -12,37 +12,36 @@
 
 namespace manycontact::rank {
 
-/// Pivot k, and what it is compared with.
+/// Pivot k and the sizes with which it is compared.
 template <class S>
 struct Pivot {
   bool of_M;
-  S d, terms;          // D_k, and |K_kk| + sum l_kj^2 |d_j|, the terms that it is left of
+  S d, terms;          // D_k, and the magnitude of its terms |K_kk| + sum l_kj^2 |d_j|
   S own;               // K_kk of a row of M; the largest entry of a row of J
-  S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative where the row itself is judged elsewhere
+  S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative if the row itself is judged elsewhere
 };
 
-/// Whether more than rounding is left of it, `margin` times over. A row of M has its own entry, too: where rows of J
-/// before it bury that, these hardly moved the joints below it, so their pivots were rounding. Of terms that are
-/// infinite, or no numbers, nothing is left.
+/// Whether the pivot exceeds `margin` times its rounding error. A row of M must also have its own entry: if rows of J
+/// before it swamp it, they hardly moved the joints below. Infinite or NaN terms leave nothing.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
   const S own = p.of_M ? least : S(margin * tolerance::kRank) * p.row_size;
   return (size > least) & (p.own > own);
 }
-/// Whether it has the sign of its row, which it has in any order: K has nv positive eigenvalues.
+/// Whether the pivot has the sign of its row, which holds in any order, as K has nv positive eigenvalues.
 template <class S>
 auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);
 }
 
-/// Rows of J, damping 0: the error of a small pivot is as much larger in those after it, where it may look like the
-/// pivot of a row that has none. So of two pivots with the parts r and s left of them, r s must be above the rounding
-/// error of either. M's pivots alone, which small masses make small, decide nothing. Here any two pivots are compared.
+/// Elimination amplifies the error of a small pivot of J (damping 0) in later rows, where it may look like a pivot. So
+/// for two pivots with remaining parts r and s, r s must exceed the rounding error. Pairs of M's pivots, which small
+/// masses make small, are exempt. Here any two pivots are compared.
 template <class S>
 struct PassedOn {
-  S least = S(1), least_of_J = S(1);  // parts left, so far
-  /// Whether the next pivot is more than that.
+  S least = S(1), least_of_J = S(1);  // least remaining parts so far
+  /// Whether the next pivot is above that.
   auto accepts(bool of_M, const S& left) {
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
@@ -51,8 +50,7 @@ struct PassedOn {
   }
 };
 
-/// The same along an elimination tree: the error of a pivot reaches its ancestors, and no other pivot. memory: of the
-/// caller's.
+/// Does the same along an elimination tree: a pivot's error reaches only its ancestors. memory: the caller's.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)
@@ -73,10 +71,10 @@ class PassedOnInTree {
   std::vector<PassedOn<double>>& at_;
 };
 
-/// The same by L itself, sharper: the error of a pivot is the rounding of its own terms, and l^2 times the errors of
-/// the pivots before it, but among M's alone. In a long tower each contact's pivots are small compared with their
-/// terms, by the inertia of all above, and hardly change those below. Whether some pivot is no more than that. Rows
-/// without pivot have an infinite D and no L, and pass nothing on. terms: of the pivots; noise: memory of n numbers.
+/// Whether some pivot is only rounding error, judged more sharply by L: a pivot's error is its terms' rounding error
+/// plus l^2 times those of earlier pivots, except among M's. (In a tall tower contacts' pivots are small relative to
+/// terms, but hardly affect those below.) Rows without pivot have infinite D and no L. terms: of pivots; noise:
+/// scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

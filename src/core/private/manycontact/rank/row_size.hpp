@@ -1,15 +1,13 @@
 #pragma once
-// The sizes that contact rows are compared with: a row of J with the motions it is picked from, and a0 of a row with
-// the terms it is computed from. Below, a row or what is left of it is rounding. Templates on the scalar: SIMD batches
-// have one value per robot.
+// The sizes relative to which contact rows are judged: the motions from which a row of J is selected, and the terms of
+// its a0. Smaller rows or residuals are rounding errors. In SIMD batches the scalar has one value per robot.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// The largest motion that row k of a contact is picked from: of a point's motion as motion_scale has it, no less than
-/// a hundredth of the rotation times the moment arms it was computed with; of a rotation that alone, in radians: a
-/// moment arm of a million metres does not make it small. After contact_rows.
+/// Returns the largest motion from which row k of a contact is selected, after contact_rows: for points motion_scale,
+/// but at least a hundredth of the rotation times the moment arms; for rotations the rotation in radians alone.
 template <class S>
 S row_size(const MotionSizes<S>& of, const Contact& contact, const ContactData<S>& data, int k) {
   if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
@@ -22,7 +20,6 @@ S row_size(const Contact& contact, const ContactData<S>& data, int k) {
 
 namespace internal {
 
-/// The largest entry.
 template <class S, class X>
 S largest_entry(const X& x) {
   using std::abs;
@@ -32,8 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// How far a tree frame's origin is off, in units of rounding: none where the axes that joints displace it along are as
-/// given, for its sum is exact then.
+/// Returns the error of a tree frame's origin, in units of rounding; zero if joints displace it along given axes.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -47,7 +43,7 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   return off ? largest_entry<S>(kin.origins[tree].p) : S(0);
 }
 
-/// How much of displacements, and of turns, there is in row i of a contact.
+/// Contributions of displacements and of rotations to row i of a contact.
 template <class S>
 struct RowWeights {
   S linear, angular;
@@ -62,22 +58,20 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
   return row_weights<S>(data.pair ? &*data.pair : nullptr, i);
 }
 
-/// The largest terms that a contact's a0 is computed from: of a point's motion [m/s^2], its first three rows, and of
-/// rotation [rad/s^2], the others. Where lengths are in micrometres neither bounds the other. Rows of a pair are sums
-/// of both.
+/// The largest terms of a contact's a0: of a point's motion [m/s^2], for its first three rows, and of rotation
+/// [rad/s^2], for the others; with lengths in micrometres neither bounds the other. Rows of a pair are sums of both.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
-  const PairNumbers<S>* pair = nullptr;  // numbers of a pair's rows; nullptr: the contact is no pair
+  const PairNumbers<S>* pair = nullptr;  // terms of a pair; nullptr: no pair
   S of_row(int i) const {
     if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
     return i < 3 ? linear : angular;
   }
 };
 
-/// The sizes of all terms: accelerations (gravity in them), products of velocities, and terms of gains. Their error
-/// is a difference of placements, as good as these are. origin: how far the bodies' origins are off, in units of
-/// rounding.
+/// Returns the sizes of all terms: accelerations (including gravity), products of velocities, and terms of gains, whose
+/// error is a difference of placements. origin: error of the bodies' origins, in units of rounding.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
@@ -94,8 +88,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
           accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
-/// The same where the bodies are placed from the world on. kinA, kinB: of the robots of A and B; of a B that does not
-/// move unused.
+/// Does the same for bodies placed from the world. kinA, kinB: of the robots of A and B; unused for a fixed B.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
                       const Model& B, const Kinematics<S>& kinB) {
@@ -105,8 +98,8 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
   return row_terms<S>(contact, data, origin);
 }
 
-/// The largest terms that a contact's a0 is computed from: the bodies' velocities and accelerations as the tree has
-/// them, about its base: at the contact they may cancel. place: B's in the world [m].
+/// Returns the largest terms of a contact's a0, with velocities and accelerations of the bodies about the tree's base,
+/// which may cancel at the contact. place: B's position in the world [m].
 template <class S>
 RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>& data, const Model& A,
                                     const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
@@ -123,7 +116,7 @@ RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>
     most.linear = larger(larger(largest, S(turned * lever)), most.linear);
   };
   add_body(contact.A, kinA, data.aMA.p), add_body(contact.B, kinB, data.bMA.p);
-  // A place in the world that was left out, or computed, is as good as its own digits, however far away it is.
+  // A position in the world is as accurate as its own digits, however far away.
   if (contact.B.robot < 0) most.linear = larger(S(S(std::abs(contact.alpha)) * largest_entry<S>(place)), most.linear);
   return most;
 }

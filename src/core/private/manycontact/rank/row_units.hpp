@@ -1,7 +1,7 @@
 #pragma once
-// Weights of contact rows of motion and of rotation (Scene::moment_length). Forces of least norm and least squares of
-// inconsistent rows depend on them, solutions of independent rows do not. Where rows may depend, contact rows of K and
-// b are multiplied by S = diag(1, or the length for rows that rotate), and K's unknown y is -f divided by S.
+// Weights of translational and rotational contact rows (Scene::moment_length). They affect least-norm forces and least
+// squares of inconsistent rows, but not solutions of independent rows. If rows may be dependent, contact rows of K and
+// b are multiplied by S = diag(1, or the length for rotational rows), and K's unknown y is -f divided by S.
 
 #include <cmath>
 #include <span>
@@ -10,20 +10,18 @@
 
 namespace manycontact::internal {
 
-/// Whether the scene's own numbers can be used at all (check_input reports which cannot).
+/// Whether damping and moment_length are usable (check_input reports which is not).
 inline bool usable_numbers(const Scene& scene) {
   return scene.damping >= 0 && std::isfinite(scene.damping) && scene.moment_length > 0 &&
          std::isfinite(scene.moment_length);
 }
 
-/// Unit of a contact's row: 1 for every row with damping, which makes all of them independent, and for a pair's, which
-/// are weighed already.
+/// Returns the weight of a contact's row: 1 with damping (all rows are independent), and for weighted pairs.
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
-/// Whether any is not 1: rows that depend on each other are then dropped from the whole K alone, which is weighed where
-/// they may be (dependent rows, the dense reference solver).
+/// Whether any weight is not 1. Dependent rows are then dropped only from the whole K, which is weighted.
 inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : contacts)
@@ -31,7 +29,7 @@ inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   return false;
 }
 
-/// Whether rows that depend may be dropped from anything but the whole K: nothing damps them, and all count the same.
+/// Whether systems other than the whole K may drop dependent rows: without damping, and with equal weights.
 inline bool may_drop_rows(const Scene& scene, std::span<const int> contacts) {
   return scene.damping == 0 && !has_row_units(scene, contacts);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// A number as the unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, with the range of a double.
-// A scalar for the templates of the forward path, in the precision `extended`. Compile with -ffp-contract=off.
+// The unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, with the range of a double; the scalar
+// of the forward path in precision `extended`. Compile with -ffp-contract=off.
 //
 // Sums, products and quotients are AccurateDWPlusDW, DWTimesDW2 and a long division. Relative errors of a sum and of a
 // product are below 2^-103. Sources: Dekker, Numerische Mathematik 18 (1971); Knuth, The Art of Computer Programming 2,
@@ -16,7 +16,7 @@ struct DoubleDouble {
   double hi = 0, lo = 0;
 
   DoubleDouble() = default;
-  DoubleDouble(double x) : hi(x) {}  // NOLINT: implicit, as a number's conversion is
+  DoubleDouble(double x) : hi(x) {}  // NOLINT: implicit conversion is intended
   constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
   explicit operator double() const { return hi; }
   DoubleDouble& operator+=(const DoubleDouble& b);
@@ -26,17 +26,17 @@ struct DoubleDouble {
 };
 
 namespace detail {
-/// a + b, where |a| >= |b| or a = 0.
+/// Returns a + b without rounding, for |a| >= |b| or a = 0.
 [[gnu::always_inline]] inline DoubleDouble fast_two_sum(double a, double b) {
   const double s = a + b;
   return {s, b - (s - a)};
 }
-/// a + b without rounding.
+/// Returns a + b without rounding.
 [[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {
   const double s = a + b, other = s - a;
   return {s, (a - (s - other)) + (b - other)};
 }
-/// a b without rounding, but for underflow.
+/// Returns a b without rounding, except for underflow.
 [[gnu::always_inline]] inline DoubleDouble two_product(double a, double b) {
   const double p = a * b;
 #ifdef __FMA__
@@ -47,7 +47,7 @@ namespace detail {
   return {p, al * bl - (((p - ah * bh) - al * bh) - ah * bl)};
 #endif
 }
-/// a b + c, of numbers that only correct others.
+/// Returns a b + c, for small correction terms.
 [[gnu::always_inline]] inline double product_plus(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -101,7 +101,7 @@ inline DoubleDouble sqrt(const DoubleDouble& a) {
 }
 
 namespace detail {
-/// 1/n!, constant expressions: nothing of a level of instructions may run when the program starts.
+/// 1/n!, as constant expressions: code of an instruction level must not run at start-up.
 inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1p+0, 0},
                                                       {0x1p-1, 0},
@@ -127,8 +127,7 @@ inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1.0ce396db7f853p-70, -0x1.aebcdbd20331cp-124},
                                                       {0x1.761b41316381ap-75, -0x1.3423c7d91404fp-130},
                                                       {0x1.f2cf01972f578p-80, -0x1.9ada5fcc1ab14p-135}};
-/// The sum of power^k / (first + step k)!, k = 0 ... terms-1, from the last term to the first; those from `small` on
-/// are computed in double.
+/// Returns the sum of power^k / (first + step k)!, k = 0 ... terms-1, last term first; terms from `small` on in double.
 inline DoubleDouble series(const DoubleDouble& power, int first, int step, int terms, int small) {
   const auto factor = [&](int k) { return kInverseFactorials[first + step * k]; };
   double tail = 0;
@@ -140,9 +139,9 @@ inline DoubleDouble series(const DoubleDouble& power, int first, int step, int t
 }
 }  // namespace detail
 
-/// Sine and cosine; NaN beyond 2^50.
+/// Computes sine and cosine; NaN beyond 2^50.
 inline void sin_cos(const DoubleDouble& angle, DoubleDouble& s, DoubleDouble& c) {
-  // pi/8 in three doubles, of which the multiples are exact enough up to 2^50
+  // pi/8 in three doubles, whose multiples are exact enough up to 2^50
   constexpr double kEighth[3] = {0x1.921fb54442d18p-2, 0x1.1a62633145c07p-56, -0x1.f1976b7ed8fbcp-112};
   constexpr DoubleDouble kSine[3] = {
       {0, 0}, {0x1.87de2a6aea963p-2, -0x1.72cedd3d5a61p-57}, {0x1.6a09e667f3bcdp-1, -0x1.bdd3413b26456p-55}};
@@ -155,11 +154,11 @@ inline void sin_cos(const DoubleDouble& angle, DoubleDouble& s, DoubleDouble& c)
   const double n = std::nearbyint(angle.hi * (8 / 3.14159265358979323846));
   DoubleDouble t = angle;
   for (const double part : kEighth) t -= detail::two_product(part, n);
-  // |t| <= pi/16: 2^-106 after 12 terms, and terms from the seventh on are below 2^-53
+  // |t| <= pi/16: 12 terms give 2^-106, and terms from the seventh on are below 2^-53
   const DoubleDouble minus_t2 = -(t * t);
   const DoubleDouble sine = t * detail::series(minus_t2, 1, 2, 12, 6), cosine = detail::series(minus_t2, 0, 2, 13, 7);
   const int k = static_cast<int>(std::fmod(n, 16)), sixteenth = k < 0 ? k + 16 : k;
-  // turned by j eighths of pi, -2 ... 2, then by quarters of a revolution
+  // rotate by j eighths of pi, -2 ... 2, then by quarter revolutions
   const int quarter = (sixteenth + 2) / 4, j = sixteenth - 4 * quarter, size = j < 0 ? -j : j;
   const DoubleDouble sj = j < 0 ? -kSine[size] : kSine[size], &cj = kCosine[size];
   const DoubleDouble sum = sine * cj + cosine * sj, other = cosine * cj - sine * sj;
@@ -183,7 +182,7 @@ inline DoubleDouble tan(const DoubleDouble& x) {
   sin_cos(x, s, c);
   return s / c;
 }
-/// The angle of the point (x, y), by one step from that of doubles: its error is of third order.
+/// Returns the angle of the point (x, y), by one step from that in double; its error is of third order.
 inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
   const double angle = std::atan2(y.hi, x.hi);
   if (!std::isfinite(angle) || (y.hi == 0 && x.hi == 0)) return angle;
@@ -191,10 +190,10 @@ inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
   sin_cos(DoubleDouble(angle), s, c);
   return DoubleDouble(angle) + (y * c - x * s) / (x * c + y * s);
 }
-/// exp(x) - 1 for |x| <= 1/2.
+/// Returns exp(x) - 1 for |x| <= 1/2.
 inline DoubleDouble small_expm1(const DoubleDouble& x) { return x * detail::series(x, 1, 1, 24, 24); }
 inline DoubleDouble tanh(const DoubleDouble& x) {
-  if (std::abs(x.hi) > 40) return x.hi > 0 ? 1 : -1;  // 1 - 2 exp(-80), which is 1 in these digits
+  if (std::abs(x.hi) > 40) return x.hi > 0 ? 1 : -1;  // 1 - 2 exp(-80) rounds to 1
   int halvings = 0;
   DoubleDouble y = x;
   for (; std::abs(y.hi) > 0.25; ++halvings) y = y * DoubleDouble(0.5);

@@ -1,22 +1,21 @@
 #pragma once
-// Redundant contact rows of a body-space system: those that move nothing, such as the tension along a straight chain on
-// a wall; those on one body that others on it span; and those that constrain a body which others already constrain
-// through its joints, as along a straight chain fixed at both ends. They are dropped, and forces of least norm are
-// found as in rank/dependent_rows.hpp:
+// Redundant contact rows of a body-space system: rows that move nothing, e.g. along a straight chain fixed at one end;
+// rows spanned by others on the same body; and rows on a body already constrained through its joints, e.g. along a
+// straight chain fixed at both ends. They are dropped, with least-norm forces as in rank/dependent_rows.hpp:
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// Rows with both ends on bodies that move are not checked: where these are redundant, another system has to solve.
+// Rows with both ends on moving bodies are not checked: if these are redundant, another system must solve.
 
 #include "manycontact/kkt/bodies/factor.hpp"
 #include "manycontact/rank/dependent_rows.hpp"
 
 namespace manycontact {
 
-/// The rows that depend on others, and how. Storage is kept: solves of one pattern and dependences allocate nothing.
+/// The dependent rows and their dependences. Memory is reused for the same pattern and dependences.
 struct BodyDependence {
-  rank::DependentRows rows;        // rows by their numbers
-  Eigen::VectorXd null_component;  // nc: their inconsistency
+  rank::DependentRows rows;        // numbered as the system's rows
+  Eigen::VectorXd null_component;  // nc: inconsistency of the dependent rows
 
   // scratch
   struct Basis {
@@ -34,24 +33,20 @@ struct BodyDependence {
   std::vector<double> x;                         // one entry per row
 };
 
-/// Whether a row moves no coordinate by more than rounding errors. Its pivot then has no correct digit, and no terms
-/// that cancel. Always false for damped rows.
+/// Whether an undamped row moves no coordinate by more than rounding, so that its pivot has no correct digit.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
-/// All rows take part again, in factors to come.
+/// Includes all rows again in later factors.
 void forget_dropped(BodyLdl& ldl);
 
-/// The factor without the rows that depend on others. kNone: it is sound, and there are such rows, which work.rows has;
-/// kSmallPivot: these are not plainly the ones.
+/// Factorizes without the dependent rows. kNone: sound, rows in work.rows; kSmallPivot: they are not certain.
 [[nodiscard]] Reason factorize_dependent(const BodySystem& system, BodyLdl& ldl, BodyDependence& work);
 
-/// x of b by it, with y of least norm and the bodies' forces of that. The inconsistency of the rows is taken out of
-/// b.rows and left in work.null_component.
+/// Solves for x, with y of least norm; moves the rows' inconsistency from b.rows to work.null_component.
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
                                    BodyDependence& work);
 
-/// The largest of |J| |a| and of a0 among the rows of K, which their inconsistency is judged relative to: gravity,
-/// which the bodies' accelerations contain, is in neither. For two bodies that one joint moves, |J| |a| counts it for
-/// both. v: solved; overwrites v.dx.
+/// Returns the largest of |J| |a| and of a0 among the rows, relative to which inconsistency is judged, both without
+/// gravity. For two bodies moved by one joint |J| |a| counts it twice. v: solved; overwrites v.dx.
 std::pair<double, double> row_terms_of_joints(const BodySystem& system, BodySolve& v);
 
 }  // namespace manycontact

@@ -6,23 +6,21 @@
 
 namespace manycontact {
 
-/// Memory of a refined solve.
 struct BodySolve {
   BodyVectors b, x, dx;
   BodyResidual residual;
   void resize(const BodyPattern& p);
 };
 
-/// Solves for x with right-hand side b and refines it with residuals of the whole system. Each residual involves a body
-/// and its parent only, so that rounding errors do not accumulate along a chain.
+/// Solves for x, refined with residuals of bodies and their parents, so that rounding does not accumulate along chains.
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
-/// Solves and refines likewise, after factorize_bodies lifted b.
+/// Does the same after factorize_bodies lifted b.
 sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
-/// Numbers kept of a factor, as Factor::nonzeros.
+/// Returns the number of entries of a factor, as Factor::nonzeros.
 int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
 
-/// Factor and solves of a body-space system. Vectors and panels are in the island's order: there is no K to permute.
+/// Factor and solves of a body-space system, with vectors and panels in the island's order.
 class BodyFactor {
  public:
   /// Does not allocate memory; make_room does.
@@ -34,7 +32,7 @@ class BodyFactor {
 
   /// Solves without refinement.
   void solve(double* x);
-  /// X of `cols` columns, row by row: column by column, refined; NaN where that does not converge.
+  /// Solves for X of `cols` columns, row-major, column by column with refinement; NaN if that does not converge.
   void solve_panel(double* X, int cols);
 
  private:

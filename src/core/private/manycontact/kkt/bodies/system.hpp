@@ -1,15 +1,14 @@
 #pragma once
-// The equations of an island with the bodies' accelerations and the joints' forces kept as unknowns: many more than
-// accelerations and contact forces of the joint-space K, but each touches a body and its parent only, however deep the
-// tree. Unknowns are a_i, f_i (6 each) of every body i, in its body frame (algorithm/body_kinematics.hpp), qdd, and
-// y = -(contact forces):
+// Equations of an island with the bodies' accelerations and the joints' forces as unknowns: many more than in the
+// joint-space K, but each equation involves only a body and its parent, however deep the tree. Unknowns are a_i, f_i (6
+// each) of every body i in its body frame (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
 //
 //   a_i = X a_p + S_i qdd_i + c_i                              X: to the child's origin, p: the parent
 //   f_i = Y_i a_i + p_i + sum over children j of X_j^T f_j + sum over rows k at i of G_k y_k
 //   S_i^T f_i + armature qdd_i = tau_i
 //   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
 //
-// With c, p = 0 that is K [qdd; y] = [tau; g]. A base's acceleration is in c of the body on it.
+// With c, p = 0 this is K [qdd; y] = [tau; g]. A base's acceleration is in c of the body attached to it.
 
 #include <memory>
 
@@ -18,20 +17,20 @@
 
 namespace manycontact {
 
-/// The numbers of the system, island-wide: nodes, coordinates and rows as the pattern has them.
+/// Coefficients of the system; nodes, coordinates and rows as in the pattern.
 struct BodySystem {
   std::shared_ptr<const BodyPattern> pattern;
-  std::vector<Vec3<double>> r;     // one entry per node: its origin seen from the parent's
+  std::vector<Vec3<double>> r;     // one entry per node: its origin relative to the parent's
   Mat6X<double> S;                 // 6 x nv
   std::vector<Inertia<double>> Y;  // one entry per node
   Eigen::VectorXd armature;        // nv
-  Mat6X<double> GA, GB;            // 6 x nc: forces on A's and B's bodies of a unit y
+  Mat6X<double> GA, GB;            // 6 x nc: forces of a unit y on A's and B's bodies
   double delta = 0;
 
   void reset(std::shared_ptr<const BodyPattern> p);
 };
 
-/// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g), in that order.
+/// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g).
 struct BodyVectors {
   std::vector<Vec6<double>> motion, force;  // one entry per node
   Eigen::VectorXd joints, rows;             // nv, nc
@@ -40,34 +39,33 @@ struct BodyVectors {
   void set_zero();
 };
 
-/// How far x is from solving.
+/// Residual of a solution x.
 struct BodyResidual {
-  BodyVectors r;  // right-hand sides minus left-hand sides; f's has the opposite sign
-  // set by backward_error alone
+  BodyVectors r;  // right-hand minus left-hand sides; f's has the opposite sign
+  // set only by backward_error
   std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
-  // set by every computation of residuals
   Eigen::VectorXd row_scale;                // nc
-  double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms, of f and of the joints
-  double contact = 0, contact_scale = 0;    // and of the rows
+  double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms of f and of the joints
+  double contact = 0, contact_scale = 0;    // the same of the rows
 
   void resize(const BodyPattern& p);
 };
 
-/// Fills `out`; returns the backward error, the largest residual of an equation (of a three-vector, of f and a)
-/// relative to its terms, these at least eps times the largest of their kind. f in the equation of a joint and a in
-/// that of a row count with the terms that they are sums of. NaN when x is not finite.
+/// Fills `out`; returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
+/// relative to its terms, which are at least eps times the largest of their kind. f in a joint's equation and a in a
+/// row's count with the terms of which they are sums. NaN if x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
-/// The same node by node, within a sweep; no terms are kept and none counts as more than it is, so the error is that of
-/// backward_error or larger. x.rows at the nodes: what they are with `more` added, if there is any.
+/// Computes the same node by node, within a sweep. Terms are not kept and have no lower bound, so the error is at least
+/// that of backward_error. `more` is added to x.rows at the nodes, if given.
 class BodyJudge {
  public:
   BodyJudge(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out)
       : s_(system), b_(rhs), x_(x), out_(out) {}
-  void node(int i, const double* more = nullptr);  // once its children's forces are known
-  void rows();                                     // all of them, at last
-  double error();                                  // and completes `out`
+  void node(int i, const double* more = nullptr);  // call it once the children's forces are known
+  void rows();                                     // all rows, after the nodes
+  double error();                                  // also completes `out`
 
  private:
   template <int N, bool Keep>
@@ -79,7 +77,7 @@ class BodyJudge {
   BodyResidual& out_;
   double error_ = 0, dynamics_ = 0, contact_ = 0;
   double largest_[4] = {0, 0, 0, 0}, joint_ = 0, row_ = 0;
-  double sum_ = 0;  // sum of all residuals: not finite where any unknown is not
+  double sum_ = 0;  // sum of all residuals; not finite if any unknown is not
 };
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// Any factor with iterative refinement on the true residual: x += K^-1 (b - K x).
+// Iterative refinement with any factor by the true residual: x += K^-1 (b - K x).
 
 #include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -8,22 +8,22 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds the inconsistent part of v.b, which was removed because of redundant rows, to v.b and v.r again.
+/// Adds the inconsistent part, which was removed from v.b because of redundant rows, to v.b and v.r again.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
 
-/// Memory for refining panels, row-major of K.size() rows.
+/// Memory for refining row-major panels of K.size() rows.
 struct PanelWork {
-  std::vector<double> B;  // right-hand sides; used up
-  std::vector<double> R;  // residuals, where they are judged
+  std::vector<double> B;  // right-hand sides; overwritten
+  std::vector<double> R;  // residuals, if they are checked
   std::vector<double> sums;
-  std::vector<char> nonzero;  // a flag per row of K, at least
-  KktVectors column;          // one of them
+  std::vector<char> nonzero;  // flags, at least one per row of K
+  KktVectors column;
 };
 
-/// X <- X + K^-1 (B - K X) for a whole panel X with row stride ld, rows in the island's order, padding included, until
-/// the largest residual of a column is rounding; that is returned, relative to |K|_1 |X| + |B|. work.B: B.
+/// Refines a whole panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), until
+/// the largest residual of a column is rounding error. Returns that residual relative to |K|_1 |X| + |B|. work.B: B.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
 
 }  // namespace manycontact
