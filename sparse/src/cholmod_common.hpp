@@ -27,7 +27,7 @@ struct CholmodCommon : cholmod_common {
   CholmodCommon(const CholmodCommon&) = delete;
   ~CholmodCommon() { cholmod_finish(this); }
 
-  /// Throws when the last call failed; a matrix with a zero pivot is no failure.
+  /// Throws if the last call failed; a matrix with a zero pivot is no failure.
   void check(bool ran, const char* call) const {
     if (status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     if (!ran || status < CHOLMOD_OK) throw std::runtime_error(std::string("Cholmod: ") + call + " failed");

@@ -52,8 +52,7 @@ struct Model {  // A robot's joints, frames and inertias.
 
   // Derived by finalize.
   int nq = 0, nv = 0;
-  std::vector<int> actuated;     // velocity coordinates with a torque in u, ascending: all except those of floating
-                                 // bases and passive joints
+  std::vector<int> actuated;     // coordinates with torques in u: all but those of floating bases, passive joints
   std::vector<int> dof_parent;   // nv: the next coordinate towards the base, -1 at the base
   std::vector<int> dof_joint;    // nv: its joint
   std::vector<int> dof_depth;    // nv: number of ancestors

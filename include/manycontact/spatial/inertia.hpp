@@ -23,7 +23,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
     I += o.I;
     return *this;
   }
-  /// Y a, the force of an acceleration a, or the momentum of a velocity a.
+  /// The product Y a with Y = matrix(): the force of an acceleration a, or the momentum of a velocity a.
   template <class D>
   [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();

@@ -54,8 +54,7 @@ template <class S>
 void sin_cos(const S& angle, S& s, S& c) {
   using std::cos;
   using std::sin;
-  const S x = angle, sine = sin(x);  // both use one x, so that the compiler combines them: s may be the same object as
-                                     // the angle
+  const S x = angle, sine = sin(x);  // a copy, since s may alias angle; one x lets the compiler combine both
   c = cos(x);
   s = sine;
 }

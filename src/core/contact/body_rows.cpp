@@ -4,8 +4,9 @@ namespace manycontact {
 
 namespace {
 
-// The frame of an attachment in its body's frame, the origin of that frame in the tree frame, and the tree frame in the
-// world. For frames fixed in the world, the axes are about the frame's own origin, or about the base's.
+// The frame of an attachment relative to its body, in the tree frame's axes; the body's origin in the tree frame; and
+// the tree frame's origin in the world. For immovable frames, the tree frame is at the frame's own origin, or at the
+// base's.
 struct Placed {
   SE3<double> frame;
   Vec3<double> body;

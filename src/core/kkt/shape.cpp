@@ -12,7 +12,8 @@ namespace manycontact {
 
 namespace {
 
-// The bodies of a contact's ends. An A that cannot move, perhaps on a robot of another island, is said to be on B's.
+// Return the bodies of a contact's ends. An immovable A, perhaps on a robot of another island, counts as one of B's
+// robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -25,7 +26,7 @@ Attachment body_B(const Island& island, const Contact& contact) {
 // frame (6D) contact, which constrains all directions of the body.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// An order in which the rows of each contact take their places in ascending order. K's pattern stays as it is: they
+// Changes an order so that the rows of each contact are in ascending order. K's pattern does not change, since they
 // have the same columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
@@ -81,7 +82,7 @@ const sparse::LdlCounts& IslandShape::counts(Order order) {
   auto& counts = counts_[static_cast<std::size_t>(order)];
   if (counts) return *counts;
   const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
-  for (const Order each : kOrders)  // whoever asks for one compares all
+  for (const Order each : kOrders)  // callers compare the counts of all orders
     counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }

@@ -22,7 +22,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   least.assign(K.n, 0.0);
   for (int k = 0; k < K.n; ++k) {
     if (of_M[k]) continue;
-    double size = 0;  // largest entry of J's row in the columns before it
+    double size = 0;  // largest entry of row k of J in columns of M before it
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
     const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
     least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
@@ -42,8 +42,8 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // Rows of J add terms to the pivot of a later row of M. If these terms dominate M's own entry, the rows of J had no
-    // sound pivot from the rows of M before them.
+    // Rows of J add terms to the pivot of a later row of M. If these dominate M's own entry, the rows of J had no sound
+    // pivot from the rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -61,8 +61,8 @@ int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s
 
 namespace {
 
-// residual <- J^T times a column of N or B with entries (i, x). Returns the largest entry relative to the rows' sizes.
-// Only the entries touched can be nonzero.
+// residual <- J^T times a column of N or B with entries (i, x). Returns its largest entry relative to the rows' sizes.
+// Only entries in `touched` may be non-zero.
 double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
                            const double* row_scale, std::span<const int> i, std::span<const double> x,
                            DependentRows& rows) {
@@ -86,14 +86,14 @@ double dependence_residual(const sparse::UpperCsc& K, const double* Kx, std::spa
   return largest == 0 ? 0 : largest / size;
 }
 
-// Whether row k was dropped in place of another, or waited. Such a row may depend on later rows.
+// Whether row k was dropped by an exchange, or still waits. Such a row may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
          std::find(w.rows.begin() + w.joined, w.rows.end(), k) != w.rows.end();
 }
 
-// Finds J's entries in rows of M after them.
+// Finds J's entries in later rows of M.
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
@@ -116,11 +116,11 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// L^T z = l_k over the rows of J before k, and the column e_k - z of N.
+// Solves L^T z = l_k over the rows of J before k, and appends the column e_k - z of N.
 void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, int k,
                  DependentRows& rows) {
   double* x = rows.x.data();
-  int first = k;  // no entry of x is before it
+  int first = k;  // x has no entries before it
   const auto add_row = [&](int j, double factor) {
     for (int p = s.Rp[j + 1] - 1; p >= s.Rp[j]; --p) {
       const int i = s.Rj[p];
@@ -143,8 +143,8 @@ void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// Refines z by z += K_kept^-1 (residual of z). It is needed if the kept pivots were too small for an accurate l_k, or
-// if a row that was exchanged also depends on later rows.
+// Refines z by z += K_kept^-1 (residual of z). This is needed if kept pivots were too small for an accurate l_k, or if
+// an exchanged row also depends on later rows.
 void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
                    DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];
@@ -164,7 +164,7 @@ void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, con
   rows.Np.back() = static_cast<int>(rows.Ni.size());
 }
 
-// Memory of columns that are to be found.
+// Prepares the memory for the columns to be found.
 void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
@@ -175,11 +175,11 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   if (rows.dropped.empty()) return;
   rows.x.assign(K.n, 0.0);
   rows.residual.assign(K.n, 0.0);
-  rows.touched.reserve(K.nonzeros());  // the number of rows used varies with rounding, and memory must not
+  rows.touched.reserve(K.nonzeros());  // the number used varies with rounding errors, and memory must not
   take_later_entries(K, of_M, rows);
 }
 
-// Computes the columns of N of the rows dropped from rows.dropped[first] on, and appends them.
+// Computes and appends the columns of N of the rows from rows.dropped[first] on.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                   const double* row_scale, const double* Lx, const double* D, std::size_t first, DependentRows& rows) {
   for (std::size_t c = first; c < rows.dropped.size(); ++c) {
@@ -197,7 +197,7 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Keeps the columns of the rows that plainly depend, and these rows alone; the others wait. Returns how many it keeps.
+// Keeps the rows that certainly depend, and their columns; the others wait. Returns the number of rows kept.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;
@@ -216,7 +216,7 @@ std::size_t keep_plain_columns(DependentRows& rows) {
   rows.Np.resize(plain + 1);
   rows.Ni.resize(end);
   rows.Nx.resize(end);
-  rows.largest_residual = 0;  // the columns that stay leave at most kRowLeft
+  rows.largest_residual = 0;  // the kept columns leave at most kRowLeft
   return plain;
 }
 

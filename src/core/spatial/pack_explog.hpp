@@ -1,6 +1,6 @@
 #pragma once
-// The functions of explog.hpp for SIMD batches of robots, where packs are compiled. Logarithms have branches and are
-// computed robot by robot.
+// The functions of explog.hpp for SIMD batches of robots, whose logarithms have branches: they are computed robot by
+// robot.
 
 #include "manycontact/spatial/explog.hpp"
 
