@@ -152,7 +152,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Reserves the most words of both.
+// Reserves memory for the words of add_structure and add_places.
 void reserve(const Island& island, Words& key) {
   key.reserve(2 + 2 * island.robots.size() + 54 * island.contacts.size());
 }
@@ -160,8 +160,8 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
-  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, read the same
-  // analyses, which stay in the processor's caches. The key names a shape's models while these live.
+  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, share analyses,
+  // which then remain in the processor's caches. The key identifies a shape's models while these live.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

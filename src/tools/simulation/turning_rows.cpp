@@ -15,8 +15,8 @@ bool rows_may_turn(const Scene& scene, const SimulationData& d) {
 
 namespace {
 
-// Calls use(contact, its rows, turning_of_rows) for active contacts whose rows rotate, with data.at_rest.kin at the
-// state.
+// Calls use(contact, its rows, turning_of_rows, wanted) for active contacts with rotating rows, with data.at_rest.kin
+// at the state.
 template <class Use>
 bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
   bool any = false;
