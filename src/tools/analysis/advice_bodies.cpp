@@ -16,7 +16,7 @@ constexpr double kNegligible = 1e-9;  // relative to the largest acceleration in
 
 /// The bodies that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
-  std::vector<std::vector<char>> touched;  // per robot and joint: whether a contact or a spring acts on its body
+  std::vector<std::vector<char>> touched;  // one per robot and joint: a contact or spring acts on its body
   std::vector<char> robot_touched;
   double negligible = 0;  // accelerations up to this count as zero
 };
