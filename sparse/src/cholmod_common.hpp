@@ -1,6 +1,5 @@
 #pragma once
-// Definitions that all calls of CHOLMOD need. CHOLMOD's names collide with others: sources that include this header are
-// compiled separately.
+// Definitions for all calls of CHOLMOD, whose names collide with others: sources that include it compile separately.
 
 #include <cholmod.h>
 

@@ -61,8 +61,7 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets of the rows below a block, from row `begin` on. All are rows of block T: first T's own columns,
-// then the rows below T.
+// Finds the targets of the rows below a block from row `begin` on: T's own columns first, then the rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();

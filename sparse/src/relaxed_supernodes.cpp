@@ -21,8 +21,7 @@ std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) 
   return nested;
 }
 
-// Gives column k the pattern of its parent k + 1, which contains its own. Only these columns get rows: the parent has
-// them already.
+// Gives flagged columns k the pattern of their parent k + 1, which contains theirs and has the added rows already.
 void nest(const std::vector<char>& nested, LdlSymbolic& L) {
   std::vector<int> size(L.n), Lp(L.n + 1, 0);
   for (int k = L.n - 1; k >= 0; --k) size[k] = nested[k] ? size[k + 1] + 1 : count(L, k);

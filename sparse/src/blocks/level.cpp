@@ -1,6 +1,5 @@
-// Dense blocks for one instruction level. The file is compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name). The table of this level is the only symbol that the linker sees
-// (src/core/simd/levels.cmake).
+// Dense blocks for one instruction level, compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
+// name). The linker sees the table of this level only (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>

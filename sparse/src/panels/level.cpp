@@ -181,7 +181,6 @@ struct Indexed {
   std::ptrdiff_t operator()(int i) const { return row[i] * ld; }
 };
 
-// Computes M x N entries of H.
 template <int M, int N, class Rows>
 inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, double* H, Rows to,
                          bool non_temporal) {
@@ -200,7 +199,6 @@ inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, R
       t[a].store(H + to(a));
 }
 
-// Computes M rows of H.
 template <int M, class Rows>
 inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, int cols,
                          double* H, Rows to, bool non_temporal = false) {

@@ -1,6 +1,5 @@
-// Magnitudes of the terms that applied forces and their derivatives are computed from. The terms may cancel and leave
-// rounding errors of this size. Derivatives are bounded by sums along the path of a body, where one coordinate moves
-// the body by no more than the largest of these motions.
+// Magnitudes of the terms of applied forces and their derivatives, which may cancel and leave rounding errors.
+// Derivatives are bounded by sums along a body's path: a coordinate moves it by at most the largest of these motions.
 
 #include <algorithm>
 #include <cmath>

@@ -13,8 +13,7 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// R, r are given for the joint frame. J: the joint's columns, about the child frame's origin, whose zeros were set
-// before.
+// R, r are given for the joint frame. J: the joint's columns about the child frame's origin, with zeros already set.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   S s, c;

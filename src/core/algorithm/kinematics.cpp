@@ -75,8 +75,7 @@ template <class S>
   kin.Y[i] = joint_space_inertia<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
-// Places a body whose parent is placed; s, c: sine and cosine of its joint's angle. fill_body follows here, since the
-// frame is still in registers.
+// Places a body with a placed parent; s, c: sine and cosine of its joint. fill_body follows while M is in registers.
 template <class S>
 [[gnu::always_inline]] inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s,
                                               const S& c, Kinematics<S>& kin) {
@@ -93,8 +92,7 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// Computes a body on its tree's path; for the root the whole path is placed. It is a separate function, since few
-// bodies are on paths.
+// Fills a body on its tree's path; for the root, places the whole path first. Separate, since few bodies are on it.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {

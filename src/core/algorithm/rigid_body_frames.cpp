@@ -195,8 +195,7 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// Returns the frame of the file's child link if the tree traverses the joint from the file's child to the file's
-// parent. Returns nullptr if the joint is traversed as in the file.
+// If the tree traverses a joint from the file's child to its parent, returns the frame of that child, else nullptr.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

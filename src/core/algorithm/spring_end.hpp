@@ -1,5 +1,4 @@
 #pragma once
-// The place of an end of a spring.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 

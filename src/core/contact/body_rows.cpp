@@ -4,9 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// The frame of an attachment relative to its body, in the tree frame's axes; the body's origin in the tree frame; and
-// the tree frame's origin in the world. For immovable frames, the tree frame is at the frame's own origin, or at the
-// base's.
+// An attachment's frame relative to its body, in the tree frame's axes; the body's origin in the tree frame; the tree
+// frame's origin in the world, for immovable frames the frame's own origin or the base's.
 struct Placed {
   SE3<double> frame;
   Vec3<double> body;

@@ -96,9 +96,8 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// The rotation of Q's columns that makes its rows flagged in `spans` lower triangular with a positive diagonal. The
-// first k rows of R then span the same as the first k flagged rows of B, so that a row of R depends on rows before it
-// if that row of B does.
+// The rotation of Q's columns that makes its rows flagged in `spans` lower triangular with a positive diagonal, so that
+// a row of R depends on rows before it if that flagged row of B does.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
   Eigen::Index k = 0;
@@ -122,8 +121,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   pair.spans = first_independent(B, rank);
   numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
-  // A right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on the
-  // lengths of the arms.
+  // A right inverse with rotations in units of the moment arms, as in R: its error must not depend on their lengths.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);

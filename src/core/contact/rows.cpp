@@ -41,8 +41,7 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
-// The origin of that tree frame. For a fixed base the kinematics of its robot are not used: they may be those of an
-// earlier state.
+// The origin of that tree frame. A fixed base's kinematics are not used: they may be those of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];

@@ -22,8 +22,7 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// Returns the cost of M, J and the quantities they are computed from, which sparse-bodies does not need. In large
-// islands these are computed contact by contact.
+// Cost of M, J and their terms, which sparse-bodies does not need; large islands compute them contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -61,8 +60,7 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than factorizing K, which costs `cost`. Most islands are shallow,
-// and the number of joints suffices to tell.
+// Whether sparse-bodies is predicted to be cheaper than a factor of K at `cost`. Shallow islands need no analysis.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

@@ -203,9 +203,8 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
   if (postures.empty()) postures = some_postures(scene, island, support);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // The factor without a schedule is used, since each order is factorized only a few times. If rows depend on others in
-  // the first configuration, a factor that drops them replaces it: for many rows the proximal one, whose null space is
-  // not stored.
+  // No schedule, since an order is factorized only a few times. If rows depend on others in the first configuration, a
+  // factor that drops them follows: the proximal one for many rows, which stores no null space.
   std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
   bool first = true;

@@ -12,8 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Return the bodies of a contact's ends. An immovable A, perhaps on a robot of another island, counts as one of B's
-// robot.
+// The bodies of a contact's ends. An immovable A, perhaps on another island's robot, counts as on B's robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -22,12 +21,10 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether a contact's position on A's body determines the directions in which a coordinate moves it. It does not for a
-// frame (6D) contact, which constrains all directions of the body.
+// Whether a contact's position on A's body matters for its directions; not for 6D, which constrains all of them.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// Changes an order so that the rows of each contact are in ascending order. K's pattern does not change, since they
-// have the same columns.
+// Puts the rows of each contact in ascending order; K's pattern does not change, since they have the same columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -135,8 +132,7 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Further words for the order contacts-early: the models' numbers, and those of the contacts' places and axes that
-// IslandShape keeps.
+// Adds further words for contacts-early: models, and the contacts' places and axes that IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {

@@ -143,8 +143,7 @@ void null_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const
   rows.Np.push_back(static_cast<int>(rows.Ni.size()));
 }
 
-// Refines z by z += K_kept^-1 (residual of z). This is needed if kept pivots were too small for an accurate l_k, or if
-// an exchanged row also depends on later rows.
+// Refines z by K_kept^-1 (its residual), if pivots were too small for l_k, or an exchanged row depends on later rows.
 void refine_column(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx, const double* D,
                    DependentRows& rows) {
   const int first = rows.Np[rows.Np.size() - 2];

@@ -97,9 +97,8 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// Computes an orthonormal basis of N's columns, dense in the cluster's rows, by two passes of the Gram-Schmidt method
-// with the largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). The error J^T n of a column is
-// amplified by the ratio of the column to its remainder.
+// Computes an orthonormal basis of N's columns, dense in the cluster's rows, by Gram-Schmidt twice, largest remainder
+// first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). An error J^T n grows by the ratio of column to remainder.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -147,8 +146,7 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Groups the columns of N that share rows into clusters.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // owner: first one entry per row of K, a column of N with an entry in this row, or -1; then one entry per column, the
-  // first column of its cluster.
+  // owner: per row of K a column of N with an entry there, or -1; then per column the first column of its cluster
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));

@@ -1,6 +1,5 @@
 #pragma once
-// The functions of explog.hpp for SIMD batches of robots, whose logarithms have branches: they are computed robot by
-// robot.
+// The functions of explog.hpp for SIMD batches, robot by robot, since logarithms have branches.
 
 #include "manycontact/spatial/explog.hpp"
 

@@ -25,8 +25,7 @@ struct Subject {
   const IslandKind& kind;
 };
 
-// Whether rows of one of these contacts are nearly dependent; contacts with the same constraints are then affected,
-// too.
+// Whether rows of one of these contacts are nearly dependent, which affects contacts with equal constraints, too.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   return std::ranges::any_of(ranks.lighter, [&](const Lighter& l) {
     return l.only_just > 0 && std::ranges::find(contacts, l.contact) != contacts.end();
@@ -112,7 +111,6 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
                      ", together they have " + std::to_string(ranks.rank));
 }
 
-// Contacts that constrain more directions than their robots can move in.
 void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
   for (const Lighter& l : x.kind.ranks.lighter) {
     const Contact& contact = x.scene.contacts[l.contact];

@@ -29,8 +29,7 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Bounds the change of an island's part of n, a null vector of J^T, by the inaccuracy of J. change: per row, from
-/// AtRest::change_of_null.
+/// Bounds the change of an island's null vector n of J^T by J's inaccuracy. change: from AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -74,8 +73,7 @@ class AtRest {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// J' v per row: the rate of J v if the joints move with v and do not accelerate. a0 of a point has one more term if
-  /// its velocity is not zero.
+  /// J' v per row, the rate of J v if joints do not accelerate; a0 of a point with a velocity has one more term.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;
@@ -85,8 +83,7 @@ class AtRest {
       return d.W * rate;
     });
   }
-  /// Magnitudes of the terms of the bias acceleration: squared velocities of a contact's bodies, equal for all its
-  /// rows.
+  /// Magnitudes of the terms of the bias acceleration: squared body velocities, equal for all rows of a contact.
   Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd {
       const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
@@ -94,8 +91,7 @@ class AtRest {
     });
   }
   /// Computes the x of least x^T M x among those of least |J x - wanted|: [M J^T; J 0] [x; -f] = [0; wanted]. Islands
-  /// without a solution get NaN, and the function returns false. With damping, it minimises x^T M x + |J x - wanted|^2
-  /// / damping.
+  /// without a solution get NaN, and the result is false. With damping: min x^T M x + |J x - wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
     // alpha = 1 adds the errors to a0, which `wanted` must cancel

@@ -246,8 +246,7 @@ void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
   (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
 }
 
-// The rows and axes are those of the contact. For 6D, position and rotation have separate rows, which vanish where log6
-// does.
+// Rows and axes are the contact's. For 6D, position and rotation have separate rows that vanish where log6 does.
 void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
   const Contact& contact = scene_.contacts[goal.contact];
   const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();

@@ -4,9 +4,8 @@
 
 namespace manycontact::internal {
 
-/// Parameters of the Levenberg-Marquardt method. A step that does not reduce |e| is repeated with ten times the
-/// damping, within `least` and `most`; after a successful step the damping is divided by ten. Below `least` it is
-/// `floor`, which is 0 or `least`.
+/// Levenberg-Marquardt parameters. A failed step is repeated with ten times the damping, within `least` and `most`; a
+/// successful one divides it by ten. Below `least` it is `floor`, which is 0 or `least`.
 struct Damping {
   double floor = 0, least = 0, most = 0;
 };
@@ -45,9 +44,8 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
 constexpr double kAside = 1e-3;  // m, rad: step aside; also the least relative decrease of |e| to continue
 constexpr double kReach = 1;     // m, rad: longest step of the search from there, where J is nearly singular
 
-/// Calls descend(q), which ends where |e| is stationary: at a minimum, or at a saddle such as straight knees and
-/// elbows. It is called again from aside(q), nearby, as long as that reduces e. size(q): |e|, or 0 if it counts as
-/// zero.
+/// Calls descend(q), which ends where |e| is stationary: a minimum, or a saddle such as straight knees. It is called
+/// again from aside(q), nearby, as long as that reduces e. size(q): |e|, or 0 if that counts as zero.
 template <class Descend, class Aside, class Size>
 void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& size) {
   descend(q);

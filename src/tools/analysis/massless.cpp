@@ -49,7 +49,6 @@ std::string why_massless(const Model& model, int i) {
   return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
 }
 
-// Numbers of the massless joints.
 std::set<int> massless_of(const Robot& robot, const ConstVectorRef& q) {
   const Model& model = *robot.model;
   std::set<int> joints;

@@ -8,10 +8,9 @@
 
 namespace manycontact::internal {
 
-/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates that are not at a
-/// limit. Products with the Hessian are differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that
-/// reaches its limit remains there for the rest of the step. A direction of negative curvature is followed up to a
-/// limit.
+/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit.
+/// Hessian products are differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that reaches its limit
+/// stays there; a direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
   /// gradient(dq) returns J^T e at q (+) dq.

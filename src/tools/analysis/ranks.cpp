@@ -85,9 +85,8 @@ bool has_rank(const Scene& scene, const IslandReport& report) {
   return scene.damping == 0 && report.status != Status::kFailed;
 }
 
-// Remainders of an island's rows. The solver tests other numbers (pivots of K, or rows within the scene's tolerance),
-// and may keep a row below tolerance::kRank or drop one above. `dependent` is chosen to give the solver's number of
-// rows.
+// Remainders of an island's rows. The solver tests other numbers (pivots of K, rows within a tolerance) and may keep a
+// row below tolerance::kRank or drop one above: `dependent` yields as many rows as the solver kept.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
   internal::RowRemainders out;
   out.left = remainders_of(Jt, out.dependent);
@@ -192,8 +191,7 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// The lightest type at the contact's own frame with the same rank: one row, x and z, or the first three. least: least
-// remainder of an independent row.
+// The lightest type at the contact's frame with the same rank. least: least remainder of an independent row.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };
@@ -219,8 +217,7 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   return text::join(names);
 }
 
-// Whether dependent rows are only between the same two bodies. This is geometry: the solver has found them without
-// testing pivots.
+// Whether only rows between the same two bodies are dependent: geometry, which the solver found without testing pivots.
 bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
   const SceneData& solved = data_solved(data);
   const IslandReport& report = solved.report.islands[number];

@@ -18,8 +18,7 @@ struct Leaning {
 /// ground, flagged `active`. A contact that transmits moments and has no box is assumed to be as large as a foot.
 std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q);
 
-/// Goals: the centre of mass is above the middle of the feet; the feet keep the horizontal distances that they have at
-/// q.
+/// Goals: the centre of mass is above the middle of the feet; the feet keep their horizontal distances at q.
 Goal standing_goal(const Scene& scene, const Leaning& robot);
 std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q);
 /// Goals that keep the robot's joints and the axes of its base as at q, each with the given weight.

@@ -1,6 +1,5 @@
 #pragma once
-// The steps of read_scene, in their order: robots (with models, copies, state), then contacts, external wrenches,
-// springs and poses.
+// The steps of read_scene in order: robots (models, copies, state), contacts, external wrenches, springs, poses.
 
 #include <map>
 #include <memory>

@@ -41,9 +41,8 @@ struct InertiaVerdict {
   std::string odd;      // principal moments that violate the triangle inequality; they are used as given
 };
 
-/// Checks the inertia Y of a body with all that is merged into it, about any origin. Massless bodies are allowed, such
-/// as a rotor with a moment about one axis. Merged parts are not checked: Talos' gripper motors alone violate the
-/// inequality by 1.3 % of their trace.
+/// Checks the inertia Y of a body with all that is merged into it, about any origin. Massless bodies and rotors about
+/// one axis are allowed. Merged parts are not checked: Talos' gripper motors alone violate the inequality by 1.3 %.
 InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
 /// Refuses elements of xacro, except in shapes and colours, where tell_unread reports them.

@@ -45,8 +45,7 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// Returns the known name that corresponds to a name of another format or begins with it ("quat_xyzw" for "quat"), or
-// nullptr.
+// Returns our name for one of another format or for its own beginning ("quat_xyzw" for "quat"), or nullptr.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;

@@ -100,8 +100,7 @@ class Element {
 
 class XmlFile {
  public:
-  /// Parses bytes in any encoding that decode_xml supports. Throws InputError for a syntax error or another root
-  /// element.
+  /// Parses bytes in any encoding of decode_xml. Throws InputError for a syntax error or another root element.
   XmlFile(std::string path, const std::string& bytes, const char* root_name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;

@@ -88,8 +88,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   energy += e.kinetic;
 }
 
-// Computes the energy at the end of the step to x minus what motors, external wrenches, joints and contacts gave. The
-// contacts' impulses are h f.
+// The energy at the end of the step to x minus that from motors, wrenches, joints and contacts (impulses h f).
 void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const Eigen::VectorXd& f, double h,
                            SimulationData& d, BoundedEnergy& e, Eigen::VectorXd& energy) {
   find_energies(scene, d.next_q, d.next_v, d, e, energy);
@@ -105,8 +104,7 @@ void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const E
     }
 }
 
-// Computes the clusters' rigid motions and the kinetic energy of the motion relative to them. Call find_energies
-// before.
+// Computes the clusters' rigid motions and the kinetic energy relative to them. Needs find_energies.
 void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_tied(scene, d.free_groups, e);
   sort_groups(d.free_groups, e);

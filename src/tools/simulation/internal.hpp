@@ -27,9 +27,8 @@ void keep_what_depends(SceneData& of, SimulationData& data);
 
 /// Computes q+ and v+ from the result x of semi-implicit Euler's solve, with the momentum of free groups.
 void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data);
-/// Bound the energy of springs between points (bounded_energy.cpp). Call begin_bound before their impulses are added to
-/// the momentum of free groups, and bound_energy after the step's end. goes_on: the state is that of the last step's
-/// end.
+/// Bound the energy of springs between points (bounded_energy.cpp): before their impulses are added to free groups'
+/// momentum, and after the step's end. goes_on: the state is the last step's end.
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 

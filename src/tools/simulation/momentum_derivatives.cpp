@@ -30,8 +30,7 @@ void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& 
       use(robot.idx_v + k, kin.J.col(k));
 }
 
-// Computes the part of a group that each joint of robot r carries, and the derivatives of the group's momentum about
-// its reference.
+// Computes the part of a group that each joint of robot r carries, and derivatives of its momentum about its reference.
 void differentiate_robot(const Scene& scene, int r, int root, const std::vector<Kinematics<double>>& kin,
                          const FreeGroups& groups, const FreeGroup& group, FreeMotionDerivatives& d, OfGroup& out) {
   const Robot& robot = scene.robots[r];

@@ -62,8 +62,7 @@ ClosestPosture closest_between(double size0, double size1, double product01) {
   return {std::sqrt(std::max(least2, 0.0)), at};
 }
 
-// Updates w+, x and sigma of an island after an iteration. Returns the closest point between the last state and this
-// one.
+// Updates w+, x and sigma of an island. Returns the closest point between the last state and this one.
 ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
   const Island& island = solved_island(d.dynamics, i);
   const double size = take_rows(scene, island, d);

@@ -11,8 +11,7 @@ namespace manycontact {
 
 namespace internal {
 
-/// Workspace of bounded_energy.cpp. Springs and contacts couple robots into clusters. A cluster's energies [J] are in
-/// the entry of its first robot.
+/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (coupled by springs, contacts) are at its first robot.
 struct BoundedEnergy {
   // Kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
   Eigen::ArrayX2d account;

@@ -107,8 +107,7 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias. If it returns false, b and d.tau contain M v and the
-// bias.
+// Solves K v+ = b in SIMD batches, which add M v and the bias. If it returns false, b and d.tau contain them.
 bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return false;
   d.next_contact_v.resize(d.wanted.size());

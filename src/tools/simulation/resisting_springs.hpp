@@ -1,12 +1,12 @@
 #pragma once
 // Springs and dampers between points in a semi-implicit Euler step of any length.
 //
-// With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is p = -D (J v+
-// + g), where D g = h k e - s h^2 k J v with the share s of spring_share.hpp: this is the force -k (e + h J (v+ - s v))
-// - c J v+. A spring with tension T and length l at the end of the step is stiff across itself, too: there D = h^2 T /
-// l and D g = -s D J v', with v' the velocity at the start without its stretching part. If a spring rotates with its
-// bodies, so does its force, which brakes nothing: with r the rotating share of its ends' motion, g = -(s + r - s r) J
-// v'. With K the rest of the matrix and x0 the solution without springs,
+// With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
+// p = -D (J v+ + g), where D g = h k e - s h^2 k J v with the share s of spring_share.hpp: this is the force
+// -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is stiff across itself,
+// too: there D = h^2 T / l and D g = -s D J v', with v' the velocity at the start without its stretching part. If a
+// spring rotates with its bodies, so does its force, which brakes nothing: with r the rotating share of its ends'
+// motion, g = -(s + r - s r) J v'. With K the rest of the matrix and x0 the solution without springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //

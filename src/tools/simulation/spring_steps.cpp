@@ -34,8 +34,7 @@ std::vector<int> joints_with_forces(const JointForces& forces) {
   return out;
 }
 
-// Makes three unit forces for each spring between points, and one for each joint; joints beyond kMostAsked of a robot
-// get an infinite mobility.
+// Makes three unit forces per spring between points, one per joint; those beyond kMostAsked get infinite mobility.
 std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
                                   Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;

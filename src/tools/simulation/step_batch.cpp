@@ -135,8 +135,7 @@ bool rows_depend(SimulationData& d) {
   return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
 }
 
-// Calls use(data) with the part's own data or those of the thread. If it returns true, the part owns the data
-// afterwards.
+// Calls use(data) with the part's or the thread's data. If it returns true, the part owns the data afterwards.
 template <class Use>
 void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
   if (part.own) return (void)use(*part.own);

@@ -25,8 +25,7 @@ void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
         -d.h * robot.model->armature.cwiseProduct(d.stop.segment(robot.idx_v, robot.model->nv));
 }
 
-// Computes M v and the bias in tau as far as the solve in SIMD batches does not, and the kinematics if needed outside
-// of that solve.
+// Computes M v and the bias in tau unless the solve in SIMD batches does, and kinematics needed outside of it.
 void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   stop_in_a_step(scene, d.v, d.h, d.stop);
   d.in_batches = scene.springs.empty();
@@ -59,8 +58,7 @@ void follow_contact_velocities(SimulationData& d) {
     d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
 }
 
-// Solves K v+ = tau + h w with all resisting forces in the data of at_rest_with_joints. Returns false if a solve
-// failed.
+// Solves K v+ = tau + h w with all resisting forces, in data of at_rest_with_joints; returns false if that fails.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {

@@ -8,8 +8,7 @@
 
 namespace manycontact::internal {
 
-/// Finds for each robot the first robot of its set. Contacts flagged `active` couple robots; springs do if
-/// `by_springs`.
+/// Finds the first robot of each robot's set, coupled by contacts flagged `active`, and by springs if `by_springs`.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {

@@ -2,9 +2,8 @@
 // CHOLMOD's simplicial LDL' in three calls: analyse a pattern once, factorize values often, solve. Source: Chen, Davis,
 // Hager, Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
-// The constructors allocate all memory; factorize and solve allocate none. If memory runs out, std::bad_alloc is
-// thrown, and the object remains usable. std::runtime_error is thrown if CHOLMOD fails otherwise (sizes beyond its
-// integers).
+// The constructors allocate all memory, factorize and solve none. If memory runs out, std::bad_alloc is thrown and the
+// object remains usable; std::runtime_error if CHOLMOD fails otherwise (sizes beyond its integers).
 
 #include <memory>
 

@@ -69,8 +69,7 @@ void ldl_solve_trailing_columns(const LdlSymbolic& symbolic, const double* Lx, c
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 
-/// Computes the terms of the pivots, terms_k = |A_kk| + sum_j L_kj^2 |D_j| (n). A pivot of eps times its terms is
-/// noise.
+/// Computes the pivots' terms_k = |A_kk| + sum_j L_kj^2 |D_j| (n). A pivot of eps times its terms is noise.
 void pivot_terms(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx, const double* D,
                  double* terms);
 

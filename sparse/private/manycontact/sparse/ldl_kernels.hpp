@@ -4,9 +4,8 @@
 // and, rounded as for doubles, multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b.
 //
 // Each matrix of a pack undergoes the same operations in the same order as a single matrix: the factors agree bit for
-// bit. For doubles, several rows of a column are computed at a time.
-//
-// This header is compiled for several instruction levels: it has templates and plain memory only, no other library.
+// bit. For doubles, several rows of a column are computed at a time. This header is compiled for several instruction
+// levels: it has templates and plain memory only, no other library.
 
 #include <type_traits>
 
@@ -17,8 +16,7 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += the sum over columns c of u[c stride] times the rows at x. The rows of column c + 1 start `step - c` behind
-/// those of column c.
+/// t += sum over columns c of u[c stride] times the rows at x; rows of column c + 1 start `step - c` behind column c's.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -198,8 +196,7 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
   }
 }
 
-/// x <- L^-1 x. If only the first columns are eliminated, the last entries of x become the right-hand side of the Schur
-/// complement.
+/// x <- L^-1 x. After partial elimination, the last entries of x become the Schur complement's right-hand side.
 template <class V>
 void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -210,8 +207,7 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   }
 }
 
-/// x <- L^-T D^-1 x. If only the first columns are eliminated, the last entries of x must be the solution of the Schur
-/// complement.
+/// x <- L^-T D^-1 x. After partial elimination, the last entries of x must be the Schur complement's solution.
 template <class V, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();

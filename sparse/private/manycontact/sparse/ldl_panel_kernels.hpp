@@ -1,9 +1,8 @@
 #pragma once
 // Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule, and the sums
 // that bound their errors. Four rows are computed at a time, so that a row read from the cache is used four times. The
-// value type V is as in ldl_kernels.hpp; with packs, several panels are solved at once.
-//
-// This header is compiled for several instruction levels: it has templates and plain memory only, no other library.
+// value type V is as in ldl_kernels.hpp; with packs, several panels are solved at once. This header is compiled for
+// several instruction levels: it has templates and plain memory only, no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 

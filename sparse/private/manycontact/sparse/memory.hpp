@@ -1,6 +1,5 @@
 #pragma once
-// Requests for more memory than the machine has are refused early: the system would grant them and kill the process
-// later.
+// Requests for more memory than the machine has are refused: the system would grant them and kill the process later.
 
 #include <cstddef>
 #include <memory>

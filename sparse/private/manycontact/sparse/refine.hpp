@@ -11,9 +11,8 @@ struct Refinement {
   double backward_error = 0, first = 0;  // error after the last correction; before the first one
 };
 
-/// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
-/// error. In the last case only rounding errors remain, or the factor is too inaccurate to help; the last correction is
-/// kept.
+/// Refines x until the error is at most `small`, after max_steps corrections, or after one that does not halve the
+/// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
 ///
 /// residual(): r <- b - A x; returns its relative size as a double. NaN ends the refinement. Errors of wider scalars
 /// may be cast, since a double's relative sizes reach down to 1e-308.
@@ -33,9 +32,8 @@ Refinement refine(int max_steps, double small, Residual&& residual, Correct&& co
   return out;
 }
 
-/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|. Scales below eps times the
-/// largest are replaced by eps times the largest. NaN if r or scale is not finite. largest: the largest scale of the
-/// system's other rows.
+/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|, but at least eps times the
+/// largest scale. NaN if r or scale is not finite. largest: the largest scale of the system's other rows.
 double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest = 0);
 
 }  // namespace manycontact::sparse

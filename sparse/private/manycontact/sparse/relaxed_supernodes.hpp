@@ -1,7 +1,6 @@
 #pragma once
-// Relaxed supernodes: neighbouring columns of L with nearly the same pattern get the same one, so that they form a
-// block, at the price of some entries that are zero. Source: Ashcraft, Grimes, The influence of relaxed supernode
-// partitions on the multifrontal method (1989).
+// Relaxed supernodes: neighbouring columns of L with nearly the same pattern form a block, at the price of some zeros.
+// Source: Ashcraft, Grimes, The influence of relaxed supernode partitions on the multifrontal method (1989).
 
 #include "manycontact/sparse/ldl.hpp"
 

@@ -1,7 +1,6 @@
 #pragma once
-// Tiles: N doubles in SIMD registers, or N packs, with the operations that the kernels need.
-//
-// This header is compiled for several instruction levels: it has templates and plain memory only, no other library.
+// Tiles: N doubles in SIMD registers, or N packs, with the operations that the kernels need. This header is compiled
+// for several instruction levels: it has templates and plain memory only, no other library.
 
 #include <cstddef>
 #ifdef __SSE2__
@@ -32,7 +31,6 @@ inline float absolute(float x) { return __builtin_fabsf(x); }
 
 namespace kernel {
 
-/// N values in registers.
 template <class V, int N>
 struct Tile {
   V v[N];
@@ -178,9 +176,8 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over one matrix, the same entries of another matrix with the same pattern, at a given
-/// offset in bytes. The other matrix is used next and is no longer in the nearest cache. By default nothing is
-/// prefetched.
+/// Prefetches, during a sweep over one matrix, the same entries of the matrix that is used next, has the same pattern
+/// and is no longer in the nearest cache; bytes: its offset. By default nothing is prefetched.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>

@@ -47,8 +47,7 @@ template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // bases
-  // Walks towards the base until an entry of J is certainly non-zero; after kManyJoints joints a basis of the body's
-  // motions decides.
+  // Walks towards the base until an entry of J is certainly non-zero; after kManyJoints joints a basis decides.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -100,8 +99,7 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Calls put(row, coefficient); the first row's coefficient is 1. Returns false if the rows do not balance up to
-  /// rounding errors.
+  /// Calls put(row, coefficient), 1 for the first row. Returns false if the rows do not balance up to rounding errors.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });

@@ -34,8 +34,7 @@ sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolv
 
 namespace {
 
-// Returns the normwise error of a column. A componentwise error is not suitable: if a torque moves nothing, entries are
-// rounding errors relative to the others.
+// Returns a column's normwise error: componentwise, entries that are rounding errors relative to others would count.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);

@@ -129,8 +129,7 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   d.count[i] = at.m;
 }
 
-// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T. size: terms of P's diagonal. Returns false if D is
-// not positive definite.
+// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T; false if D is not positive. size: P's terms.
 template <int N>
 bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size, Rows& at, M6& P) {
   using Square = Eigen::Matrix<double, N, N>;

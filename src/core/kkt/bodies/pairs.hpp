@@ -1,7 +1,6 @@
 #pragma once
-// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product for doubles, which write pairs of
-// entries: Eigen reads six-vectors by pairs, and a read of a pair stalls if its entries were written separately. Each
-// result is the same to the last bit.
+// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product for doubles, equal to the last bit. They
+// write pairs of entries: Eigen reads six-vectors by pairs, and such a read stalls after separate writes.
 
 #include <cstring>
 

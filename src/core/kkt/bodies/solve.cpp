@@ -65,8 +65,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   return p;
 }
 
-// One step from the root to the leaves: y of rows eliminated at a node, qdd, a, f. Input a: the parent's acceleration,
-// about the node's origin.
+// One step from root to leaves: y of rows eliminated at a node, qdd, a, f. a: the parent's, about the node's origin.
 template <int N>
 void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;

@@ -11,8 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// The smallest Cholesky pivot relative to the diagonal entry it came from; zero if a pivot is denormal, so without
-// digits.
+// The smallest Cholesky pivot relative to its diagonal entry; zero if a pivot is denormal and so has no digits.
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {

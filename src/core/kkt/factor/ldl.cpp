@@ -79,8 +79,7 @@ class LdlFactor final : public Factor {
     for (int k : dependence_.Ni) rows[ldl_.pattern->perm[k] - ldl_.pattern->nv] = 1;
   }
 
-  // Coefficients z of the null space enter by their square; the sums have as many terms as the largest cluster has
-  // entries.
+  // Coefficients z of the null space enter squared; sums have as many terms as the largest cluster has entries.
   double projector_error() const override {
     const double z = dependence_.largest_projected, sums = dependence_.largest_cluster;
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);

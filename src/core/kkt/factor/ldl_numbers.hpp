@@ -58,8 +58,7 @@ struct LdlNumbers {
       sparse::ldl_solve_panel(pattern->ldl, L.data(), D.data(), perm, X, ld, first, cols, nonzero);
   }
 
-  /// Memory for panels, shared by the factors of a thread so that it remains in the cache. It suffices for refinement,
-  /// too, since a later state may need that and must not allocate.
+  /// Memory for panels, shared by a thread's factors to remain in the cache; enough for refinement at a later state.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

@@ -9,8 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Checks that K's signature is (nv, nc, 0), and that no pivot is lost in cancellation. scratch.scale: terms of the
-/// pivots. L: nullptr if not available.
+/// Checks that K's signature is (nv, nc, 0) and no pivot is lost. scratch.scale: the pivots' terms. L: may be nullptr.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;

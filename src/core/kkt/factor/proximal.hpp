@@ -145,9 +145,8 @@ class ProximalFactor final : public Factor {
     stiffer_ = ldl_.D;
   }
 
-  // Finds dependent rows by their pivots relative to delta or, if both kinds of rows may have such pivots, by how
-  // pivots change with delta. The result does not depend on in_doubt_, which saves a factorization. Returns false if
-  // the rank is in doubt.
+  // Finds dependent rows by their pivots relative to delta or, if these are ambiguous, by how pivots change with delta.
+  // The result does not depend on in_doubt_, which saves a factorization. Returns false if the rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -170,8 +169,7 @@ class ProximalFactor final : public Factor {
   // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta. The
   // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each is 1 or 0. If rows
   // nearly depend on earlier rows, and later rows on all of these, exponents lie between, and only their sum is an
-  // integer. So that rounding errors of pivots do not add up, exponents that differ from 1 or 0 by no more count as 1
-  // or 0.
+  // integer. Exponents within rounding error of 1 or 0 count as 1 or 0, so that these errors do not add up.
   bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;
@@ -204,8 +202,7 @@ class ProximalFactor final : public Factor {
     }
   }
 
-  // w <- E w for the contact rows of w. The rows of M are zero before and after. If M is eliminated first, the sweeps
-  // skip its columns.
+  // w <- E w for the contact rows; rows of M are zero before and after. If M is eliminated first, they are skipped.
   void apply(double* w) {
     if (M_first_)
       sparse::ldl_solve_trailing(ldl_.pattern->ldl, ldl_.L.data(), ldl_.D.data(), ldl_.pattern->nv, w);

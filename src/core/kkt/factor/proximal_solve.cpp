@@ -57,8 +57,7 @@ void ProximalFactor::take_out_of_columns(int cols) {
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the component in the null space until at most the part `left` of it remains. Each pass leaves the part
-// `each`, which rounding errors determine.
+// Removes the null space component up to the part `left`. Each pass leaves the part `each` due to rounding errors.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -103,9 +102,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// The first attempt keeps P b. If P b is zero, refinement ends with residuals that are rounding errors. Otherwise the
-// residual is P b in the end, and each step has increased the forces by P b / delta; the solve is then repeated without
-// P b.
+// The first attempt keeps P b. If P b is zero, residuals end as rounding errors. Otherwise they end as P b, and each
+// step adds P b / delta to the forces; the solve is then repeated without P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -119,8 +117,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     project(v.x.data(), nullptr, tolerance::kProjected);
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
-      // J^T times the removed forces leaves rounding errors. One more step, without its component in the null space,
-      // corrects them.
+      // The removed forces leave rounding errors in J^T f, which one more step without null space component corrects.
       ldl_.solve(v.r.data());
       project(v.r.data(), nullptr, tolerance::kProjected);
       for (std::size_t k = 0; k < v.x.size(); ++k) v.x[k] += v.r[k];
@@ -154,9 +151,8 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
-// Refines while the largest residual of M's rows or of J's, relative to the terms of the first step, is at least
-// halved. At rest the terms of J's rows vanish with their residuals, so that a componentwise error would show no
-// progress.
+// Refines while the largest residual of M's or J's rows, relative to the first step's terms, is at least halved. At
+// rest J's terms vanish with their residuals, and a componentwise error would show no progress.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   std::optional<std::array<double, 2>> terms;
   double error = 0, first = 0;

@@ -6,9 +6,8 @@
 
 namespace manycontact {
 
-/// Lists redundant rows of J, single contacts that impose the same constraint as several, and contacts that constrain
-/// more directions than their robots can move in. It uses only the ranks at this configuration. `kinds` is the result
-/// of find_kinds for these data.
+/// Lists redundant rows of J, single contacts that replace several, and contacts that constrain more directions than
+/// their robots can move in, by the ranks at this configuration. `kinds`: from find_kinds for these data.
 std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
                                             const std::vector<IslandKind>& kinds);
 

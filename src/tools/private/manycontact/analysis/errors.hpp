@@ -25,9 +25,8 @@ double largest_entry(const X& x) {
   return out;
 }
 
-/// Differences of accelerations per robot; a and truth have scene.nv entries [m/s^2, rad/s^2]. Errors are relative to
-/// the larger of |truth| and `at_least` (empty, or scene.nv entries), for robots at rest whose accelerations are
-/// rounding errors.
+/// Differences of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of |truth| and
+/// `at_least` (scene.nv, or empty), for robots at rest whose accelerations are rounding errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {

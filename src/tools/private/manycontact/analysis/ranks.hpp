@@ -54,8 +54,7 @@ struct RowSelection {
   std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]"
   std::vector<std::string> dropped;    // contacts of which no row is left
 };
-/// Selects rows by the known ranks of an island; dependent rows are later ones, so that the first contacts remain
-/// whole.
+/// Selects rows by an island's known ranks. Dependent rows are later ones: the first contacts remain whole.
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
 
 /// Islands of one shape with the same ranks, and with the same status, method, order and reason in the last solve, so

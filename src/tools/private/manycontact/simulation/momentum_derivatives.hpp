@@ -26,8 +26,7 @@
 
 namespace manycontact {
 
-/// Workspace for derivatives of a scene's groups with respect to n numbers, the first 2 nv of which are the step's q,
-/// v.
+/// Workspace for derivatives of a scene's groups with respect to n numbers; the first 2 nv are the step's q and v.
 struct FreeMotionDerivatives {
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 

@@ -60,8 +60,7 @@ struct ResistingJoints {
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
   }
-  /// Whether v+ (nv) after a solve agrees with which joints slide and stick; if not, it changes this for the next
-  /// solve. islands: prepared data of `scene`.
+  /// Whether joints slide and stick as v+ (nv) implies; if not, changes which do. islands: prepared data of `scene`.
   [[nodiscard]] bool settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next);
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 // Steps that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and the mass
-// m that moves along it, its motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for lambda^2 +
-// (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h; it keeps
-// the energy of springs with h omega << 1 and dissipates that of springs with h omega > 2 within few steps. m includes
-// the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. It is computed for each spring
-// and joint separately: several on one body allow shorter steps only.
+// m that moves along it, its motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
+// lambda^2 + (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h;
+// it keeps the energy of springs with h omega << 1 and dissipates that of springs with h omega > 2 within few steps. m
+// includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. It is computed for each
+// spring and joint separately: several on one body allow shorter steps only.
 
 #include "manycontact/simulation/step.hpp"
 
