@@ -28,8 +28,7 @@ constexpr bool has_order(Method m) {
   return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
 }
 
-/// The place of the constraint rows in the elimination order. Joints are eliminated from the leaves to the root, which
-/// causes no fill-in in M.
+/// The place of the constraint rows in the elimination order. Joints are eliminated leaves first: M has no fill-in.
 enum class Order {
   kLeafToRoot,     // contacts last; accurate whenever J has full rank
   kContactsEarly,  // a contact as soon as the joints that move it in all its directions are eliminated; less fill-in

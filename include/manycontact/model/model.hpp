@@ -28,8 +28,7 @@ struct ModelNotes {
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
-/// A tree of joints. With a floating base, all joints of a robot form one tree. With a fixed base, each joint attached
-/// to it starts a tree.
+/// A tree of joints. With a floating base, all joints form one tree; each joint attached to a fixed base starts a tree.
 struct Tree {
   int root = 0;           // joint
   std::vector<int> path;  // joints from the root to the anchor, the body with the origin of the tree frame

@@ -68,8 +68,7 @@ inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0;
 
 struct PairRows;  // private to the module contact
 
-/// A bilateral contact between frame A on a robot and frame B' on another body or in the world. For its equations see
-/// detail/contact/rows.hpp.
+/// A bilateral contact of frame A on a robot and B' on another body or in the world (see detail/contact/rows.hpp).
 struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;
@@ -86,8 +85,7 @@ struct Contact {
                                                   // if B is on a body; none: the world's z for points, A's own z for 6D
   Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length (x) and width (y) of the support area [m]; 0: none
 
-  // Set only inside of solve: this contact represents all contacts between the same two bodies, whose rows are reduced
-  // to independent ones. Its type is 6D.
+  // Set only inside of solve: this 6D contact replaces all contacts between two bodies by independent rows.
   std::shared_ptr<const PairRows> pair = {};
   int pair_rank = 0;
   int rows() const { return pair ? pair_rank : contact_rows(type); }  // number of constraint rows, 1 to 6

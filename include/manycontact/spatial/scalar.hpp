@@ -58,8 +58,7 @@ void sin_cos(const S& angle, S& s, S& c) {
   c = cos(x);
   s = sine;
 }
-/// The number of angles that are best computed at a time. They are independent, and for a single robot they are
-/// vectorised (detail/spatial/pack.hpp).
+/// The number of angles best computed at a time; a single robot's are vectorised (detail/spatial/pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES

@@ -64,8 +64,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   return Jt;
 }
 
-// The norm of each column of J^T after projection on the complement of the earlier ones above `dependent`, by two
-// passes of Gram-Schmidt.
+// The norm of each column of J^T orthogonal to the earlier ones above `dependent`, by two passes of Gram-Schmidt.
 std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));

@@ -84,8 +84,7 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Reads limits; infinite, negative, crossed or missing ones count as no limits. If only one of lower and upper is
-// missing, it is 0, as URDF defines it.
+// Reads limits; infinite, negative, crossed or missing ones count as none. A single missing bound is 0, as in URDF.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");

@@ -1,6 +1,5 @@
 #pragma once
-// Unit forces along springs and on joints. With their torques as columns of U: tau = U x, and the components U^T a of a
-// velocity or acceleration a.
+// Unit forces along springs and on joints, with torques tau = U x and components U^T a of a velocity or acceleration a.
 
 #include <algorithm>
 

@@ -29,8 +29,7 @@ class CholmodSymbolic {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The factor of one symmetric matrix with non-zero leading minors (e.g. quasi-definite), and the workspace to solve
-/// with it: one thread at a time.
+/// The factor of one symmetric matrix with non-zero leading minors (e.g. quasi-definite), with one thread's workspace.
 class Cholmod {
  public:
   explicit Cholmod(std::shared_ptr<const CholmodSymbolic> symbolic);

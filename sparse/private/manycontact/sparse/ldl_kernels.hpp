@@ -33,8 +33,7 @@ struct Inverse {
   }
 };
 
-/// Eliminates the columns of a block, each after its updates by the block's earlier columns. first: number of the
-/// block's first column.
+/// Eliminates the columns of a block, each after its updates by earlier ones. first: number of the first column.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // -L_ac D_c

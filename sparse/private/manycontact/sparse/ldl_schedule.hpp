@@ -1,6 +1,5 @@
 #pragma once
-// The numeric phase of A = L D L^T, compiled: which entries of L each step reads and writes. ldl_kernels.hpp executes
-// it.
+// The numeric phase of A = L D L^T, compiled for ldl_kernels.hpp: the entries of L that each step reads and writes.
 //
 // Columns whose patterns nest (a chain of joints, a base, the rows of a contact) form a block. Within a block rows are
 // numbered as in its first column: first the block's own columns, then the rows below. The columns start with a dense

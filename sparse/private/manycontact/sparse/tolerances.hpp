@@ -21,8 +21,7 @@ inline constexpr double kPivotLeft = 1e-11;
 /// same margin over rounding errors as kPivotLeft; here lengths are compared, not squares.
 inline constexpr double kRank = 1e-11;
 
-/// Units of eps of the scalar in use (double or quadruple precision): the error of a sum of six to eight products, each
-/// with an error of 2 eps.
+/// Units of eps of the scalar in use (double, quadruple): the error of a sum of six to eight products of 2 eps each.
 inline constexpr int kRounding = 16;
 
 /// Pivots of a damped K, in the same units: below, the damping counts as lost (status regularised). A pivot of c eps of
@@ -99,8 +98,7 @@ inline constexpr int kFewCoordinates = 100;
 /// Joints along a chain after which a row that has moved none of them is compared with a basis of its body's motions.
 inline constexpr int kManyJoints = 64;
 
-/// Most rows, and most equations of their balance, for which sparse-bodies searches a null vector along a chain, by a
-/// dense decomposition on the stack.
+/// Most rows, and equations of their balance, for which sparse-bodies searches a null vector along a chain (dense).
 inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
 
 /// Most entries of N for which dropped rows are exchanged, or columns orthonormalised: each step passes over all.
@@ -196,8 +194,7 @@ inline constexpr double kRefinePanel = 5e-14;
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // the first is the solve itself
 
-/// Numbers below this have lost relative digits by underflow (the smallest normal number is 2e-308): such a residual of
-/// a column is meaningless.
+/// Numbers below this have lost digits by underflow (normal ones end at 2e-308): such residuals are meaningless.
 inline constexpr double kVanishing = 1e-290;
 
 /// Quadruple precision: normwise residual of a solution that counts as exact, 1e4 times float128's eps = 2e-30. Each
@@ -254,8 +251,7 @@ inline constexpr double kDriftNoise = 4e-15;
 /// square this ratio, and lose eight digits. Such islands are left to the dense reference solver.
 inline constexpr double kGradedRows = 1e-4;
 
-/// Largest deviation of a floating base's quaternion from unit length, as in files with 7 digits. Files and states with
-/// larger ones are refused.
+/// Largest deviation of a floating base's quaternion from unit length that is accepted: files may have 7 digits.
 inline constexpr double kQuaternion = 1e-6;
 
 /// Hager's and Higham's estimate of a 1-norm is a lower bound, nearly always within this factor.
@@ -271,8 +267,7 @@ inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<
 /// The forces that a damped solution is compared with are at least this part of the largest load.
 inline constexpr double kLeastLoad = 1e-3;
 
-/// If a backward error is above kConverged, rows are compared with this part of the data they are computed from, so
-/// that a loss of two digits is refused.
+/// If a backward error is above kConverged, rows are compared with this part of their data, against two lost digits.
 inline constexpr double kPartOfData = 1e-2;
 
 // ---- the precision `extended` ---------------------------------------------------------------------------------
@@ -320,8 +315,7 @@ inline constexpr double kFarDearer = 100;
 inline constexpr std::size_t kManyContacts = 100;
 inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;
 
-/// Structural zeros of a relaxed supernode are at most 1 / kZeros of its entries; columns with fewer than kShort
-/// entries are not relaxed.
+/// At most 1 / kZeros of a relaxed supernode are structural zeros; columns with fewer than kShort entries stay as is.
 inline constexpr int kZeros = 12, kShort = 16;
 
 }  // namespace manycontact::tolerance

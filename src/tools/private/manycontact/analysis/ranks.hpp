@@ -72,8 +72,7 @@ std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std:
 
 namespace internal {
 
-/// The norm of each row of an island's J after projection on the complement of the independent rows before it, relative
-/// to its size (rank/row_size.hpp).
+/// The norm of each row of J orthogonal to the independent rows before it, relative to its size (rank/row_size.hpp).
 struct RowRemainders {
   std::vector<double> left;             // empty if J is not in joint space
   double dependent = tolerance::kRank;  // remainders up to this one are dependent rows; it is

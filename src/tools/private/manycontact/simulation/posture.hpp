@@ -11,8 +11,7 @@
 //
 //     min over s in [0, 1] of | (1 - s) x_k + s x_k+1 |_M
 //
-// A state that is itself singular is detected by its rank instead. Source of inverse iteration: Golub, Van Loan, Matrix
-// Computations, section 8.2.
+// A singular state is detected by its rank instead. Inverse iteration: Golub, Van Loan, Matrix Computations, sec. 8.2.
 
 #include "manycontact/simulation/step.hpp"
 
