@@ -58,7 +58,7 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;
-  std::vector<std::size_t> first;  // first robot of each set of equal ones
+  std::vector<std::size_t> first;  // first robot of each set of equal robots
   models.assign(scene.robots.size(), nullptr);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];

@@ -4,9 +4,9 @@
 //
 //     -k (e + h J (v+ - s v))        s = 1 - (z / (1 + z))^2,        z = h^2 k / m
 //
-// An oscillation then obeys v+ = ((1 + s z) v - z x / h) / (1 + z), x+ = x + h v+, with determinant (1 + s z) / (1 +
-// z): it is stable for any z. For small z the determinant is 1 - z^3, close to that of the explicit step, 1. For large
-// z the force is that of the step's end: a spring relaxes within a step.
+// An oscillation then obeys v+ = ((1 + s z) v - z x / h) / (1 + z), x+ = x + h v+. It is stable for any z: the
+// determinant is (1 + s z) / (1 + z). For small z this is 1 - z^3, close to 1 as in the explicit step. For large z the
+// force is that of the step's end: a spring relaxes within a step.
 
 namespace manycontact::internal {
 
