@@ -53,7 +53,7 @@ struct Cholmod::Impl {
 
   void allocate() {
     const std::size_t n = symbolic.pattern.n;
-    factor = cholmod_copy_factor(symbolic.factor, &common);  // reads
+    factor = cholmod_copy_factor(symbolic.factor, &common);  // only reads the shared factor
     common.check(factor != nullptr, "copy of a symbolic factor");
     common.check(cholmod_change_factor(CHOLMOD_REAL, false, false, false, true, factor, &common), "numeric factor");
     common.check(cholmod_allocate_work(n, 2 * n, n, &common), "workspace");
@@ -63,7 +63,7 @@ struct Cholmod::Impl {
     }
   }
 
-  // solve2 keeps a matrix of exactly the shape it wants, and replaces others.
+  // cholmod_solve2 reuses a matrix of exactly the required shape, and reallocates others.
   static void shape(cholmod_dense* matrix, std::size_t rows, std::size_t cols) {
     if (!matrix || rows * cols > matrix->nzmax) return;
     matrix->nrow = matrix->d = rows;
@@ -96,7 +96,7 @@ Cholmod::Cholmod(Cholmod&&) noexcept = default;
 Cholmod& Cholmod::operator=(Cholmod&&) noexcept = default;
 
 bool Cholmod::factorize(const double* Ax) {
-  if (symbolic().size() == 0) return true;  // CHOLMOD calls that invalid
+  if (symbolic().size() == 0) return true;  // CHOLMOD refuses empty matrices
   cholmod_sparse A = view_of(impl_->symbolic.pattern, Ax);
   const bool ran = cholmod_factorize(&A, impl_->factor, &impl_->common);
   impl_->common.check(ran, "factorization");

@@ -1,6 +1,5 @@
 #pragma once
-// Definitions that all calls of CHOLMOD need. CHOLMOD's names collide with others: sources that include this header are
-// compiled separately.
+// Definitions for all calls of CHOLMOD, whose names collide with others: sources that include it compile separately.
 
 #include <cholmod.h>
 
@@ -27,7 +26,7 @@ struct CholmodCommon : cholmod_common {
   CholmodCommon(const CholmodCommon&) = delete;
   ~CholmodCommon() { cholmod_finish(this); }
 
-  /// Throws when the last call failed; a matrix with a zero pivot is no failure.
+  /// Throws if the last call failed; a matrix with a zero pivot is no failure.
   void check(bool ran, const char* call) const {
     if (status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     if (!ran || status < CHOLMOD_OK) throw std::runtime_error(std::string("Cholmod: ") + call + " failed");

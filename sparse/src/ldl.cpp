@@ -22,7 +22,7 @@ T* c(const std::vector<T>& v) {
 }  // namespace
 
 void LdlWorkspace::reserve(const LdlSymbolic& s) {
-  // each by itself: memory may have run out between them
+  // each separately, since an earlier call may have run out of memory between them
   const auto grow = [](auto& array, std::size_t size) {
     if (array.size() < size) array.resize(size);
   };
@@ -93,7 +93,7 @@ void list_rows(LdlSymbolic& L) {
 
 namespace {
 
-// LDL leaves a column's entries at its beginning; where supernodes are relaxed there are zeros between them.
+// Moves the entries that LDL packed at a column's beginning to their slots; relaxed supernodes have zeros in between.
 void spread_columns(const LdlSymbolic& s, const LdlWorkspace& w, double* Lx) {
   for (int j = 0; j < s.n; ++j) {
     int from = s.Lp[j] + w.Lnz[j], to = s.Lp[j + 1];
@@ -114,7 +114,7 @@ int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWor
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* least, LdlWorkspace& w,
                         double* Lx, double* D, double* scale) {
   w.reserve(s);
-  double* y = w.Y.data();  // may have any value: entry j is zero from step j on, between rows
+  double* y = w.Y.data();  // need not be initialised: between rows, entry j is zero from step j on
   for (int k = 0; k < s.n; ++k) {
     // row k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k)
     for (int p = A.p[k]; p < A.p[k + 1]; ++p) y[A.i[p]] = Ax[p];
@@ -159,7 +159,7 @@ double ldl_rounding(const LdlSymbolic& s) {
     of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
     of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);
   }
-  // an entry: its products, of two roundings each, and a division by the reciprocal; a row of each sweep; the pivots'
+  // two roundings per product of an entry, one per product of a row of each sweep, and a few for the divisions
   return (2 * of_row + of_column + 8) * std::numeric_limits<double>::epsilon() / 2;
 }
 

@@ -1,4 +1,4 @@
-// Entries of L's columns without L, by CHOLMOD.
+// Counts the entries of L's columns without computing L, by CHOLMOD.
 
 #include "cholmod_common.hpp"
 #include "manycontact/sparse/ldl.hpp"
@@ -8,14 +8,14 @@ namespace manycontact::sparse {
 
 LdlCounts ldl_count(const UpperCsc& A) {
   LdlCounts counts;
-  if (A.n == 0) return counts;  // CHOLMOD calls that invalid
+  if (A.n == 0) return counts;  // CHOLMOD refuses empty matrices
   std::vector<int> parent(A.n), postorder(A.n), below(A.n), first(A.n), level(A.n);
   CholmodCommon common;
   cholmod_sparse pattern = view_of(A, nullptr);
   const bool ran = cholmod_analyze_ordering(&pattern, CHOLMOD_NATURAL, nullptr, nullptr, 0, parent.data(),
                                             postorder.data(), below.data(), first.data(), level.data(), &common);
   common.check(ran, "counts of a factor");
-  for (int& entries : below) --entries;  // the diagonal
+  for (int& entries : below) --entries;  // the diagonal is not counted
   const std::vector<char> nested = nearly_nested(parent, below);
   for (int j = 0; j < A.n; ++j) {
     const double entries = below[j];

@@ -6,7 +6,7 @@ namespace manycontact::sparse {
 
 namespace {
 
-// None has columns on both sides of `border`.
+// Divides the columns into blocks, none of which has columns on both sides of `border`.
 void find_blocks(const LdlSymbolic& s, int border, std::vector<int>& block) {
   block.assign(1, 0);
   for (int k = 0; k < s.n; ++k)
@@ -29,13 +29,13 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     if (!set[slot]) out.fill.push_back(slot);
 }
 
-// Columns first+c ... first+c+high-1 of a block of `width` columns.
+// Adds the group of columns first+c ... first+c+high-1 of a block of `width` columns.
 void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
   LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
                            static_cast<int>(out.packed.size())};
   const int below = s.Lp[first + width] - s.Lp[first + width - 1];
   const int* rows = s.Li.data() + s.Lp[first + width - 1];
-  const auto add_row = [&](int of_block) {  // row of the block
+  const auto add_row = [&](int of_block) {  // of_block: row number in the block
     for (int i = c; i < c + high; ++i) out.packed.push_back(of_block > i ? s.Lp[first + i] + of_block - i - 1 : -1);
   };
   const auto add_segment = [&](int row) {
@@ -61,8 +61,7 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets of the rows below a block, from row `begin` on. All are rows of block T: first T's own columns,
-// then the rows below T.
+// Finds the targets of the rows below a block from row `begin` on: T's own columns first, then the rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();
@@ -99,7 +98,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   for (int k = 0; k < out.blocks(); ++k)
     std::fill(block_of.begin() + out.block[k], block_of.begin() + out.block[k + 1], k);
   const std::size_t limit = 4 * (sizeof(int) + sizeof(double)) * s.nonzeros() / sizeof(LdlSchedule::Target);
-  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // last column's
+  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // rows of its last column
   out.run.assign(1, 0);
   for (int k = 0; k < out.blocks(); ++k) {
     const int* rows = rows_below(k);

@@ -8,7 +8,7 @@
 namespace manycontact::sparse {
 
 std::vector<int> camd_order(const UpperCsc& A, const std::vector<int>& set) {
-  if (A.n == 0) return {};  // CAMD calls that invalid
+  if (A.n == 0) return {};  // CAMD refuses empty matrices
   std::vector<int> perm(A.n);
   double control[CAMD_CONTROL], info[CAMD_INFO];
   camd_defaults(control);

@@ -5,8 +5,7 @@
 
 namespace manycontact {
 
-/// Computes out = q (+) v: the configuration reached from q with the constant velocity v in unit time. q, out: nq; v:
-/// nv.
+/// Computes out = q (+) v: the configuration reached from q with constant velocity v in unit time. q, out: nq; v: nv.
 template <class S>
 void integrate(const Model& model, const ConstVecRef<S>& q, const ConstVecRef<S>& v, VecRef<S> out);
 

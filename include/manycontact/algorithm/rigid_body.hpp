@@ -95,8 +95,7 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
 
 // ---- state ---------------------------------------------------------------------------------------------------------
 
-/// Sets the state of the data to q, v and a; v and a are zero if they are not given. Throw std::invalid_argument for
-/// wrong sizes.
+/// Sets the state of the data to q, v and a (zero if not given). Throws std::invalid_argument for wrong sizes.
 void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
 void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                         RigidBodyData& data);

@@ -28,8 +28,7 @@ constexpr bool has_order(Method m) {
   return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
 }
 
-/// The place of the constraint rows in the elimination order. Joints are eliminated from the leaves to the root, which
-/// causes no fill-in in M.
+/// The place of the constraint rows in the elimination order. Joints are eliminated leaves first: M has no fill-in.
 enum class Order {
   kLeafToRoot,     // contacts last; accurate whenever J has full rank
   kContactsEarly,  // a contact as soon as the joints that move it in all its directions are eliminated; less fill-in
@@ -37,8 +36,7 @@ enum class Order {
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
 std::string to_string(Order order);                               // "leaf-to-root"
-std::optional<Order> order_from_string(const std::string& name);  // the order with the given name, as to_string writes
-                                                                  // it
+std::optional<Order> order_from_string(const std::string& name);  // the order with that name, or none
 
 /// How an island is solved. The method is never kAuto. K is assembled in the given order, and eliminated in that order
 /// if the method has one.
@@ -63,8 +61,7 @@ enum class SimdLevel {
 inline constexpr SimdLevel kSimdLevels[] = {SimdLevel::kAuto, SimdLevel::kOff, SimdLevel::kBaseline, SimdLevel::kAvx2,
                                             SimdLevel::kAvx512};
 std::string to_string(SimdLevel lanes);  // "auto", "off", "baseline", "avx2", "avx512"
-std::optional<SimdLevel> simd_level_from_string(const std::string& name);  // the level with the given name, as
-                                                                           // to_string writes it
+std::optional<SimdLevel> simd_level_from_string(const std::string& name);  // the level with that name, or none
 
 /// The arithmetic of a solve: of the terms of K and of the right-hand side, of its factor, and of the residuals of
 /// iterative refinement. Derivatives and products at the solution are always computed in double.
@@ -98,10 +95,10 @@ struct Options {  // How to solve.
   /// Islands that cannot be solved in this precision are solved in kDouble. IslandReport::precision shows which was
   /// used, and IslandReport::reason is kLowPrecision unless the island has another reason.
   ///
-  /// kSingle is for islands of one robot that sparse-ldl solves in SIMD batches without dependent rows, and of whose
-  /// contacts no two are between the same bodies. It is refused where rounding may change the largest acceleration or
-  /// force by more than a hundredth. Derivatives, products and bounds of errors are computed in double at the
-  /// solution; those of kSingle are therefore as accurate as its accelerations and forces.
+  /// kSingle requires islands of one robot that sparse-ldl solves in SIMD batches, without dependent rows and without
+  /// two contacts between the same bodies. It is refused if rounding errors may change the largest acceleration or
+  /// force by more than 1 %. Derivatives, products and error bounds are computed in double at the solution; those of
+  /// kSingle are therefore as accurate as its accelerations and forces.
   Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;
 };

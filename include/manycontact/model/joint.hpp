@@ -20,8 +20,7 @@ constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t =
 /// The number of coordinates that a joint has in v.
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
-/// Vectors shorter than this have no direction: they may consist of rounding errors of files or of computed
-/// differences.
+/// Shorter vectors count as zero, since they may consist of rounding errors of files or of computed differences.
 constexpr double kZeroDirection = 1e-9;
 
 /// One joint and the body that it moves. The joint frame is the child frame at q = 0.

@@ -28,8 +28,7 @@ struct ModelNotes {
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
-/// A tree of joints. With a floating base, all joints of a robot form one tree. With a fixed base, each joint attached
-/// to it starts a tree.
+/// A tree of joints. With a floating base, all joints form one tree; each joint attached to a fixed base starts a tree.
 struct Tree {
   int root = 0;           // joint
   std::vector<int> path;  // joints from the root to the anchor, the body with the origin of the tree frame
@@ -52,8 +51,7 @@ struct Model {  // A robot's joints, frames and inertias.
 
   // Derived by finalize.
   int nq = 0, nv = 0;
-  std::vector<int> actuated;     // velocity coordinates with a torque in u, ascending: all except those of floating
-                                 // bases and passive joints
+  std::vector<int> actuated;     // coordinates with torques in u: all but those of floating bases, passive joints
   std::vector<int> dof_parent;   // nv: the next coordinate towards the base, -1 at the base
   std::vector<int> dof_joint;    // nv: its joint
   std::vector<int> dof_depth;    // nv: number of ancestors

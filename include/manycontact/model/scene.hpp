@@ -1,6 +1,5 @@
 #pragma once
-// A scene: robots (instances of models), and the contacts among them and with the world. Plain data, without
-// mathematics.
+// A scene: robots (instances of models), and the contacts among them and with the world, as plain data.
 
 #include <memory>
 #include <optional>
@@ -69,8 +68,7 @@ inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0;
 
 struct PairRows;  // private to the module contact
 
-/// A bilateral contact between frame A on a robot and frame B' on another body or in the world. For its equations see
-/// detail/contact/rows.hpp.
+/// A bilateral contact of frame A on a robot and B' on another body or in the world (see detail/contact/rows.hpp).
 struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;
@@ -85,11 +83,9 @@ struct Contact {
   std::optional<double> mu = {};                  // friction coefficient; none: the contact may pull
   std::optional<Vec3<double>> normal = {};        // unit vector out of the surface, in the world, or in the axes of B'
                                                   // if B is on a body; none: the world's z for points, A's own z for 6D
-  Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length along x and width along y of the support area [m]; 0:
-                                                  // none
+  Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length (x) and width (y) of the support area [m]; 0: none
 
-  // Set only inside of solve: this contact represents all contacts between the same two bodies, whose rows are reduced
-  // to independent ones. Its type is 6D.
+  // Set only inside of solve: this 6D contact replaces all contacts between two bodies by independent rows.
   std::shared_ptr<const PairRows> pair = {};
   int pair_rank = 0;
   int rows() const { return pair ? pair_rank : contact_rows(type); }  // number of constraint rows, 1 to 6
@@ -102,8 +98,7 @@ struct ExternalWrench {
   ReferenceFrame reference_frame =
       ReferenceFrame::kLocal;                  // axes of the wrench: those of the frame, which rotate with the body, or
                                                // the world's (kWorld and kLocalWorldAligned are the same)
-  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque about the origin] [N, N m]; the
-                                               // value in a solve is in SceneData
+  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque] at the origin [N, N m]; in a solve: SceneData
 };
 
 /// A massless spring and damper between two points. It pulls A towards B with the force

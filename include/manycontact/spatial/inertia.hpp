@@ -23,7 +23,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
     I += o.I;
     return *this;
   }
-  /// Y a, the force of an acceleration a, or the momentum of a velocity a.
+  /// The product Y a with Y = matrix(): the force of an acceleration a, or the momentum of a velocity a.
   template <class D>
   [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
@@ -41,8 +41,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
   }
   /// The same inertia in axes rotated by R, about the same origin.
   Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
-  /// The same inertia about a point relative to which this origin is at p. No centre of mass is formed, so that m = 0
-  /// is allowed.
+  /// The same inertia about a point relative to which this origin is at p. Forms no centre of mass: m = 0 is allowed.
   Inertia seen_at(const Vec3<S>& p) const {
     Inertia out = *this;
     out.h = add_scaled(h, m, p);

@@ -54,13 +54,11 @@ template <class S>
 void sin_cos(const S& angle, S& s, S& c) {
   using std::cos;
   using std::sin;
-  const S x = angle, sine = sin(x);  // both use one x, so that the compiler combines them: s may be the same object as
-                                     // the angle
+  const S x = angle, sine = sin(x);  // a copy, since s may alias angle; one x lets the compiler combine both
   c = cos(x);
   s = sine;
 }
-/// The number of angles that are best computed at a time. They are independent, and for a single robot they are
-/// vectorised (detail/spatial/pack.hpp).
+/// The number of angles best computed at a time; a single robot's are vectorised (detail/spatial/pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES

@@ -83,8 +83,7 @@ Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   return R;
 }
 
-/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix. Shepperd's method divides by the largest component
-/// and so loses no digits at any angle.
+/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, by Shepperd's method, accurate at any angle.
 template <class S>
 Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   using std::sqrt;

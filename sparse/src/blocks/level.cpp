@@ -1,6 +1,5 @@
-// Dense blocks for one instruction level. The file is compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name). The table of this level is the only symbol that the linker sees
-// (src/core/simd/levels.cmake).
+// Dense blocks for one instruction level, compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
+// name). The linker sees the table of this level only (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -20,8 +19,7 @@ using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
 Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 
-// Eigen's product into a triangle divides by zero where there is nothing to multiply, its triangular solves refer to
-// the first entry.
+// Eigen's product into a triangle divides by zero for empty operands; its triangular solves access the first entry.
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 

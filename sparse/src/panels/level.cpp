@@ -1,5 +1,5 @@
-// The kernels on panels of one level of instructions. Compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name); nothing of it but the PanelKernels is seen by the linker (src/core/simd/levels.cmake).
+// The kernels on panels for one instruction level. The file is compiled once per level with that level's flags and
+// MANYCONTACT_LEVEL (its name). The linker sees nothing of it but the PanelKernels (src/core/simd/levels.cmake).
 
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace {
 using kernel::kRegister;
 using kernel::Tile;
 
-// ldl_scheduled_residual, four entries of a column at a time where their rows follow each other.
+// ldl_scheduled_residual, with four entries of a column at a time if their rows are consecutive.
 void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale) {
   using Four = Tile<double, 4>;
   const int *p = A.p.data(), *row = A.i.data();
@@ -65,7 +65,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// 1 / d, or 0 where that is too little: the row waits.
+// 1 / d, or 0 if the pivot is too small: the row then waits.
 struct InverseOrWait {
   const double* least;
   int may_wait;
@@ -82,19 +82,19 @@ void factor(const LdlSchedule& schedule, const double* Ax, const double* least, 
   ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, InverseOrWait{least, most});
 }
 
-// work, from a cache line on.
+// The start of the work memory at a cache line.
 double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
 }
 
-// The pivots' inverses into `inverse`, and L's packed entries behind them.
+// Writes the inverse pivots to `inverse` and L's packed entries behind them.
 const double* prepare(const LdlSchedule& schedule, const double* Lx, const double* D, double* inverse) {
   for (int k = 0; k < schedule.n; ++k) inverse[k] = 1 / D[k];
   ldl_pack(schedule, Lx, inverse + schedule.n);
   return inverse + schedule.n;
 }
 
-// A chunk of columns is brought together in A's order and stays in the first cache.
+// Each chunk of columns is gathered in A's order and remains in the first-level cache.
 void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld, int first,
            int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -138,7 +138,7 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
   });
 }
 
-// Solves and refines; the right-hand sides, the solution and the correction all fit into the cache.
+// Solves and refines; the right-hand sides, the solution and the correction of a chunk all fit into the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -167,10 +167,10 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
   });
 }
 
-// Rows of H at a time, and columns: as many as fit in registers.
+// Rows and columns of H computed at a time: as many as fit in registers.
 constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
 
-// Rows a stride apart, and rows at any place.
+// The offset of row i: rows a fixed stride apart, or rows in any order.
 struct Strided {
   std::ptrdiff_t ld;
   std::ptrdiff_t operator()(int i) const { return i * ld; }
@@ -181,7 +181,6 @@ struct Indexed {
   std::ptrdiff_t operator()(int i) const { return row[i] * ld; }
 };
 
-// M x N of H.
 template <int M, int N, class Rows>
 inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, double* H, Rows to,
                          bool non_temporal) {
@@ -200,7 +199,6 @@ inline void product_tile(const double* L, std::ptrdiff_t ldl, const double* R, R
       t[a].store(H + to(a));
 }
 
-// M rows of H.
 template <int M, class Rows>
 inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, Rows from, int depth, int cols,
                          double* H, Rows to, bool non_temporal = false) {
@@ -219,7 +217,7 @@ void upper_product(const double* L, const double* R, int depth, int cols, int ld
   }
 }
 
-// The last rows are done again with some before them: fewer at a time would wait for each other.
+// The last kHigh rows overlap rows computed before: with fewer rows at a time operations would wait for each other.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
   const auto rows_from = [&](int i, auto high) {
     const Strided strided{ld};
@@ -233,7 +231,7 @@ void product(const double* L, int ldl, const double* R, int depth, int rows, int
   }
 }
 
-// No row is done again: it may be on its way to memory.
+// Rows are not computed twice as in product, since a streamed row may still be on its way to memory.
 void product_of_rows(const double* L, int ldl, const double* R, const int* from, int depth, double* H, const int* to,
                      int rows, int cols, int ld, bool non_temporal) {
   kernel::in_chunks<kHigh>(0, rows, [&](int i, auto high) {
@@ -242,7 +240,7 @@ void product_of_rows(const double* L, int ldl, const double* R, const int* from,
   if (non_temporal) kernel::finish_streams();
 }
 
-// Calls f(first, number) for chunks of columns that fill 4 registers.
+// Calls f(first, size) for chunks of columns that fill 4 registers.
 template <class F>
 inline void in_wide_chunks(int cols, F&& f) {
   constexpr int kMost = 4 * kRegister;

@@ -30,17 +30,17 @@ V6 own_motion(const Joint& joint, const Mat6X<double>& S, const double* x) {
   return out;
 }
 
-// use(robot of the forces, its number there) of each of these robots that anything acts on.
+// Calls use(robot of the forces, its number there) for each of these robots on which forces act.
 template <class Use>
 void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
   for (int r : robots)
     if (const int k = forces.number[r]; k >= 0) use(forces.robots[k], static_cast<std::size_t>(k));
 }
 
-// An end of a spring, and its variation. An end in the world does not move.
+// An end of a spring, and the variation of its body; nullptr for an end in the world, which does not move.
 struct End {
   SpringEnd<double> at;
-  V6 *u = nullptr, *x = nullptr, *v = nullptr;  // variation of its body
+  V6 *u = nullptr, *x = nullptr, *v = nullptr;
 };
 End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   const SpringEnd<double> end = spring_end<double>(at, forces);
@@ -69,7 +69,7 @@ void add_push_tangent(const ExternalWrench& push, const Forces::OfRobot& of, con
   const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
   const bool local = push.reference_frame == ReferenceFrame::kLocal;
   if (local)
-    df += cross_force(x, F);  // moves with the body
+    df += cross_force(x, F);  // the wrench rotates with the body
   else
     df.tail<3>() += at_point(x, M.p).cross(linear(F));
   if (!dw) return;
@@ -96,7 +96,7 @@ void add_spring_tangent(const Spring& spring, const Forces::OfSpring& s, const E
   if (B.u) *B.u -= joined(dforce, dp[1].cross(force) + B.at.p.cross(dforce));
 }
 
-// ---- adjoint: u of each body, then the gradients by x and v --------------------------------------------------------
+// ---- adjoint: u of each body, then the gradients with respect to x and v ------------------------------------------
 
 void add_push_adjoint(const ExternalWrench& push, const Forces::OfRobot& of, const V6& F, const V6& u, V6& x,
                       double* ww) {
@@ -112,7 +112,7 @@ void add_push_adjoint(const ExternalWrench& push, const Forces::OfRobot& of, con
 
 void add_spring_adjoint(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
   const V3 force = -spring.stiffness * s.d - s.t * s.n;
-  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // derivative to dforce
+  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // gradient by force on A
   V3 by_d = -spring.stiffness * g, by_rate = V3::Zero();
   if (spring.length != 0 || spring.damping != 0) {
     const double by_speed = -spring.damping * s.n.dot(g);  // d|d|/dt
@@ -181,7 +181,7 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
                          double* ww) {
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
-    for (int i : of.joints) {  // u; x: of (xi x S l)^T f
+    for (int i : of.joints) {  // u, and in x the gradient of (xi x S l)^T f
       const Joint& joint = robot.model->joints[i];
       const V6 own = own_motion(joint, of.kin.J, l + robot.idx_v);
       scratch.u[k][i] = joint.parent >= 0 ? V6(scratch.u[k][joint.parent] + own) : own;

@@ -1,6 +1,5 @@
-// The sizes of the terms that applied forces and their derivatives are computed from: these may cancel, and leave their
-// rounding. Derivatives by sums of sizes along the path of a body: one coordinate moves the body by no more than the
-// largest of these motions.
+// Magnitudes of the terms of applied forces and their derivatives, which may cancel and leave rounding errors.
+// Derivatives are bounded by sums along a body's path: a coordinate moves it by at most the largest of these motions.
 
 #include <algorithm>
 #include <cmath>
@@ -37,10 +36,10 @@ struct OfBody {
 struct OfEnd {
   OfBody* body = nullptr;
   double lever = 0;               // distance from the origin
-  double reach = 0;               // the same, and to joints of its path
+  double reach = 0;               // distance from the origin to the end and to the joints of its path
   double speed = 0;               // speed of its body
-  double velocity = 0;            // the sum over coordinates
-  double moved = 0, changed = 0;  // change of its place and of its velocity by one coordinate
+  double velocity = 0;            // sum of the speeds by single coordinates
+  double moved = 0, changed = 0;  // change of its position and of its velocity by one coordinate
 };
 
 OfEnd end_of(const SpringEnd<double>& end, OfBody* body) {
@@ -115,7 +114,7 @@ class Sizes {
     const double force = largest(F.head<3>()), reach = reach_of(push, of);
     const Size f{force, largest(F.tail<3>()) + reach * force}, &moved = body.moved;
     body.force.add(f);
-    if (push.reference_frame == ReferenceFrame::kLocal)  // it moves with the body
+    if (push.reference_frame == ReferenceFrame::kLocal)  // the wrench moves with the body
       body.by_q.add(moved.angular * f.linear, moved.angular * f.angular + moved.linear * f.linear);
     else
       body.by_q.add(0, moved.at(std::max(reach, body.lever)) * force);
@@ -147,7 +146,7 @@ class Sizes {
     }
   }
 
-  // Goes from the leaves to the root: tau_i = S_i^T f_i, and (xi x S_i)^T f_i of its derivatives.
+  // From the leaves to the root: tau_i = S_i^T f_i, and (xi x S_i)^T f_i of its derivatives.
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;

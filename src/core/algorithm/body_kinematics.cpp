@@ -13,8 +13,7 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// R, r come as the joint frame's; J: the joint's columns, about the child frame's origin. Zeros in J stay from the
-// beginning.
+// R, r are given for the joint frame. J: the joint's columns about the child frame's origin, with zeros already set.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   S s, c;
@@ -51,7 +50,7 @@ Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const Co
 
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin) {
-  std::array<SE3<S>, 6> placed;  // a path has no more joints
+  std::array<SE3<S>, 6> placed;  // a path has at most six joints
   for (std::size_t k = 0; k < model.trees.size(); ++k) {
     const Tree& tree = model.trees[k];
     S s, c;

@@ -26,7 +26,7 @@ double uniform(double low, double high, std::mt19937& generator) {
   return (1 - t) * low + t * high;  // finite for any finite limits
 }
 
-// Coordinate k of a joint that has limits; `reach`: how far from 0, or from one limit twice as far.
+// Samples coordinate k of a joint with limits. `reach`: the distance from 0 without limits, half the range with one.
 double within_limits(const Joint& joint, int k, double reach, std::mt19937& generator) {
   const auto finite = [k](const Eigen::VectorXd& limit) { return k < limit.size() && std::isfinite(limit[k]); };
   double low = -reach, high = reach;
@@ -77,7 +77,7 @@ Eigen::VectorXd random_velocity(const RigidBodies& bodies, std::mt19937& generat
     for (const Joint& joint : robot.model->joints)
       for (int k = 0; k < joint.nv(); ++k) {
         const bool limited = joint.velocity_limit.size() == joint.nv() && joint.velocity_limit[k] > 0 &&
-                             std::isfinite(joint.velocity_limit[k]);  // files write 0 where they know none
+                             std::isfinite(joint.velocity_limit[k]);  // files write 0 for an unknown limit
         const double most = limited ? joint.velocity_limit[k] : 1;
         v[bodies.idx_v(robot) + joint.idx_v + k] = uniform(-most, most, generator);
       }
@@ -121,7 +121,7 @@ Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstRef& q0, const
 
 namespace {
 
-// The blocks of all joints; block(joint, its v, of the first argument, J).
+// The block-diagonal matrix of block(joint, its v, first, J) for all joints.
 template <class Block>
 Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool first, Block&& block) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(v.size(), v.size());

@@ -28,7 +28,6 @@ std::vector<int> factorize_inertia(const Model& model, double* M, double* diagon
 
 namespace {
 
-// x -= l y
 void subtract(int n, double l, const double* __restrict y, double* __restrict x) {
   for (int c = 0; c < n; ++c) x[c] -= l * y[c];
 }

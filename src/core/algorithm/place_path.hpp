@@ -1,6 +1,6 @@
 #pragma once
-// How a joint's motion moves its frame, whatever origin the motion subspaces are about; and the bodies that determine
-// where a tree is, placed from its anchor on (detail/algorithm/kinematics.hpp).
+// Motion of a frame by its joint, independent of the origin of motion subspaces, and the placement of the bodies
+// between a tree's root and its anchor (detail/algorithm/kinematics.hpp).
 
 #include <cstdint>
 #include <limits>
@@ -20,14 +20,14 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   }
 }
 
-/// A revolute or prismatic joint's axis, by the joint frame's or the child frame's R: the joint does not turn it.
+/// The axis of a revolute or prismatic joint. R: the joint frame's or the child frame's, which have the same axis.
 template <class S>
 inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   if (joint.axis_kind < 3) return R.col(joint.axis_kind);
   return times<S>(R, joint.axis.cast<S>());
 }
 
-/// The angle that move_frame wants sine and cosine of; zero where the joint has none.
+/// The angle whose sine and cosine move_frame needs; zero if the joint has none.
 template <class S>
 inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
   if (joint.type == JointType::kRevolute) return q[joint.idx_q];
@@ -71,7 +71,7 @@ inline S upper_half(const S& a) {
   return c - (c - a);
 }
 
-/// sum + rest += a b without a rounding of the product. Source: Dekker's product, Knuth's sum.
+/// sum + rest += a b without rounding the product. Source: Dekker's product, Knuth's sum.
 template <class S>
 inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   const S ah = upper_half(a), al = a - ah, bh = upper_half(b), bl = b - bh;
@@ -87,7 +87,7 @@ inline void move_along(const Vec3<S>& axis, const S& x, WorldPoint<S>& point) {
   for (int k = 0; k < 3; ++k) add_exactly<S>(axis[k], x, point.p[k], point.rest[k]);
 }
 
-/// A joint's displacement at q; R: the joint frame's axes.
+/// Adds a joint's displacement at q to a point. R: the joint frame's axes.
 template <class S>
 inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>& R, WorldPoint<S>& point) {
   if (joint.type == JointType::kPrismatic) move_along<S>(axis_of<S>(joint, R), q[joint.idx_q], point);
@@ -97,8 +97,8 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 
 }  // namespace detail
 
-/// Places the bodies of a tree's path in place(joint), and returns the position of the anchor in the world. The root's
-/// angle has sine `s` and cosine `c`; `own` is that of Kinematics, and `base` that of forward_kinematics.
+/// Places the bodies of a tree's path in place(joint), and returns the anchor's position in the world. s, c: sine and
+/// cosine of the root's angle; own: as in Kinematics; base: as in forward_kinematics.
 template <class S, class B, class Place>
 WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
                          const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {
@@ -112,7 +112,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
   }
   anchor.p = base.p.template cast<S>();
   Mat3<S> R = base.R.template cast<S>();
-  for (int i : tree.path) {  // p: as seen from the parent's
+  for (int i : tree.path) {  // M.p: relative to the parent's origin
     const Joint& joint = model.joints[i];
     SE3<S>& M = place(i);
     const PlacementOf<S> placement(model, own, i);
@@ -127,7 +127,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
     R = M.R;
   }
   Vec3<S> p = Vec3<S>::Zero();
-  for (std::size_t k = tree.path.size(); k-- > 0;) {  // up from the anchor
+  for (std::size_t k = tree.path.size(); k-- > 0;) {  // now relative to the anchor
     Vec3<S>& at = place(tree.path[k]).p;
     const Vec3<S> step = at;
     at = p;

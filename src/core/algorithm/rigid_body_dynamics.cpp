@@ -51,7 +51,7 @@ void compose(const RigidBodies& bodies, RigidBodyMemory& m) {
 
 namespace {
 
-// Takes kin to q; and to v and a (zero: nullptr) where v is given.
+// Sets kin to q, and, if v is given, to v and a (nullptr: zero).
 void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const double* a, RigidBodyMemory& m) {
   m.composed = m.carries = false;
   m.moving = v != nullptr;
@@ -73,7 +73,7 @@ void check_state(const char* function, const RigidBodies& bodies, const ConstRef
   if (third) expect_numbers(function, what, *third, bodies.nv());
 }
 
-// The data of these robots at a state, which is checked first.
+// Checks a state, and sets the data of these robots to it.
 RigidBodyMemory& at_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
                           const ConstRef* a, RigidBodyData& data) {
   check_state(function, bodies, q, v, a);
@@ -89,7 +89,7 @@ void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodie
                                 " joints");
 }
 
-// The forces on a robot's bodies, from the child frames into the tree frame.
+// Transforms the forces on a robot's bodies from the child frames into the tree frame.
 void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   of.fext.clear();
   if (fext.empty()) return;
@@ -97,7 +97,7 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   fext = fext.subspan(of.f.size());
 }
 
-// ID at the state of kin, less friction and the springs in joints.
+// Inverse dynamics at the state of kin, minus the torques of friction and of springs in joints.
 void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
              RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
@@ -173,7 +173,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
                       m.qdd.segment(iv, model.nv));  // NaN if it returns false
   });
   m.composed = m.carries = false;
-  m.moving = true;  // the kinematics contain the accelerations of a = 0
+  m.moving = true;  // the kinematics contain the bias accelerations (a = 0)
   m.q = q;
   m.v = v;
   m.a.setZero();
@@ -196,7 +196,7 @@ const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidB
 
 namespace {
 
-// M^-1 times of.panel, in its place; NaN where there is no inverse. M becomes L, D.
+// Computes M^-1 of.panel in place, NaN if M is singular. M is replaced by L, D.
 void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
   m.composed = false;
   if (factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty())
@@ -227,7 +227,7 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
 
 namespace {
 
-// The derivatives of RNEA of each robot at the state of kin, packed, and its packed M.
+// The packed derivatives of RNEA of each robot at the state of kin, and its packed M.
 void differentiate(const RigidBodies& bodies, ForcesOnBodies fext, RigidBodyMemory& m) {
   internal::compose(bodies, m);
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int) {
@@ -264,7 +264,7 @@ const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Const
   return m.torque;
 }
 
-// M da = dtau - dID(q, v, a)
+// Solves M da = dtau - dID(q, v, a).
 const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
                                                const ConstRef& tau, RigidBodyData& data, ForcesOnBodies fext) {
   RigidBodyMemory& m = memory_of("aba_derivatives", bodies, data);

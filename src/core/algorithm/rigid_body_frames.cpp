@@ -1,4 +1,4 @@
-// Frames, the whole, and what joints carry, at the data's state.
+// Frames, quantities of the whole, and joint wrenches at the state of the data.
 
 #include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
@@ -16,7 +16,7 @@ namespace {
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
 
-// A frame's robot among these, and its memory; nullptr: the frame is the world's.
+// A frame's robot among those of the data, and its memory; nullptr for a frame of the world.
 struct Owner {
   const Robot* robot = nullptr;
   RobotMemory* memory = nullptr;
@@ -34,7 +34,7 @@ Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory&
   return {out, &m.robots[static_cast<std::size_t>(number)]};
 }
 
-// read(robot, kin) of a frame's robot, with velocities; zero for a frame of the world.
+// Returns read(robot, kin) for a frame's robot, with velocities; zero for a frame of the world.
 template <class Read>
 Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
              Read&& read) {
@@ -98,7 +98,7 @@ Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, co
 
 namespace {
 
-// The sum of of(memory, body) over all bodies, forces or momenta in their tree frames, about the centre of mass.
+// The sum of of(kinematics, body) over all bodies, a force or momentum in its tree frame, about the centre of mass.
 template <class Of>
 Vec6d about_center(const RigidBodies& bodies, RigidBodyData& data, Of&& of) {
   internal::move(bodies, *data.memory);
@@ -195,8 +195,7 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// Returns the frame of the file's child link if the joint is traversed from it to the file's parent, which is then the
-// child in the tree. Returns nullptr if the joint is traversed as in the file.
+// If the tree traverses a joint from the file's child to its parent, returns the frame of that child, else nullptr.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

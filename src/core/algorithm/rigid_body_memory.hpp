@@ -13,13 +13,12 @@ namespace manycontact::internal {
 
 using ConstRef = ConstVectorRef;
 
-/// Memory of one robot.
 struct RobotMemory {
   explicit RobotMemory(const Model& m) : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
 
   const Model* model;
   Kinematics<double> kin;           // kinematics at the data's state
-  std::vector<Inertia<double>> Yc;  // composite inertias, where RigidBodyMemory::composed
+  std::vector<Inertia<double>> Yc;  // composite inertias, valid if RigidBodyMemory::composed
   std::vector<Vec6<double>> f;      // forces through the joints, in the tree frame
   std::vector<Vec6<double>> fext;   // external forces, in the tree frame
   std::vector<double> M;            // packed; factorized by inverse_inertia_times and aba_derivatives
@@ -31,18 +30,18 @@ struct RobotMemory {
 
 struct RigidBodyMemory {
   std::vector<RobotMemory> robots;
-  Eigen::VectorXd zero, v, a;  // nv; v, a: of the state
+  Eigen::VectorXd zero, v, a;  // nv; v, a of the state
   Eigen::VectorXd q;           // nq, of the state
-  bool moving = false;         // kin has v and a of the state; else it is at rest, and they are not computed
-  bool composed = false;       // Yc is that of the state
-  bool carries = false;        // f is that of the last inverse dynamics
+  bool moving = false;         // whether kin has v and a of the state; if not, v = 0 and they are not computed
+  bool composed = false;       // whether Yc is that of the state
+  bool carries = false;        // whether f is that of the last inverse dynamics
   Eigen::VectorXd tau, h, g, qdd, driving;
   Eigen::MatrixXd M;
   TorqueDerivatives torque;
   AccelerationDerivatives acceleration;
 };
 
-/// The memory, which must be these robots'.
+/// Returns the memory of the data; throws std::invalid_argument if the data are of other robots.
 inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();
@@ -51,7 +50,7 @@ inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodie
   return *data.memory;
 }
 
-/// act(robot, its memory, first coordinate in q, first in v) for each robot.
+/// Calls act(robot, its memory, first coordinate in q, first coordinate in v) for each robot.
 template <class Act>
 void each_robot(const RigidBodies& bodies, RigidBodyMemory& m, Act&& act) {
   const std::span<const Robot> robots = bodies.robots();
@@ -59,7 +58,7 @@ void each_robot(const RigidBodies& bodies, RigidBodyMemory& m, Act&& act) {
     act(robots[r], m.robots[r], bodies.idx_q(robots[r]), bodies.idx_v(robots[r]));
 }
 
-/// act(spring, its coordinate in q, in v) for each spring in a joint of these robots.
+/// Calls act(spring, its coordinate in q, its coordinate in v) for each spring in a joint of these robots.
 template <class Act>
 void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   const std::span<const Robot> robots = bodies.robots();
@@ -72,9 +71,9 @@ void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   }
 }
 
-/// kin.v and kin.a of the state.
+/// Computes kin.v and kin.a of the state, unless they are known.
 void move(const RigidBodies& bodies, RigidBodyMemory& m);
-/// Composite inertias Yc of the state, and M, packed.
+/// Computes the composite inertias Yc of the state and the packed M, unless they are known.
 void compose(const RigidBodies& bodies, RigidBodyMemory& m);
 
 }  // namespace manycontact::internal

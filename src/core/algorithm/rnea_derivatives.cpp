@@ -60,7 +60,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Row and column i of the derivatives, for the coordinates k of joint i.
+// Fills row and column k of the derivatives for the coordinates k of joint i.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;
@@ -88,7 +88,7 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
       ++at;
     };
     int j = k;
-    for (; j >= joint.idx_v; --j) entry(j);  // within the joint, S_i and the force turn together
+    for (; j >= joint.idx_v; --j) entry(j);  // within the joint, S_i and the force rotate together
     Fq += cross_force(s, d.f[i]);
     for (j = model.dof_parent[joint.idx_v]; j >= 0; j = model.dof_parent[j]) entry(j);
   }

@@ -1,5 +1,4 @@
 #pragma once
-// The place of an end of a spring.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 
@@ -7,14 +6,14 @@ namespace manycontact {
 
 template <class S>
 struct SpringEnd {
-  WorldPoint<S> origin;            // origin of its body's tree frame; of an end in the world, the end
-  Vec3<S> p = Vec3<S>::Zero();     // the end's place, seen from that origin
+  WorldPoint<S> origin;            // origin of its body's tree frame; for an end in the world, the end itself
+  Vec3<S> p = Vec3<S>::Zero();     // position of the end relative to that origin
   Vec6<S> body = Vec6<S>::Zero();  // velocity of its body, in the tree frame
 
   Vec3<S> velocity() const { return add_cross(body.template head<3>(), body.template tail<3>(), p); }
 };
 
-/// kin: of the robot that it is on; unless it is in the world.
+/// Computes an end of a spring. kin: kinematics of its robot; not used for an end in the world.
 template <class S>
 SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   SpringEnd<S> end;
@@ -29,7 +28,7 @@ SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   return end;
 }
 
-/// An end at the state of the forces.
+/// Computes an end of a spring at the state of the forces.
 template <class S>
 SpringEnd<S> spring_end(const Attachment& at, const AppliedForces<S>& forces) {
   return spring_end<S>(at, at.robot < 0 ? nullptr : &forces.robots[forces.number[at.robot]].kin);

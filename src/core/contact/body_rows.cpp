@@ -4,8 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// The frame of an attachment in its body's frame, the origin of that frame in the tree frame, and the tree frame in the
-// world. For frames fixed in the world, the axes are about the frame's own origin, or about the base's.
+// An attachment's frame relative to its body, in the tree frame's axes; the body's origin in the tree frame; the tree
+// frame's origin in the world, for immovable frames the frame's own origin or the base's.
 struct Placed {
   SE3<double> frame;
   Vec3<double> body;

@@ -16,7 +16,7 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
-// One column: s = J_l's, P1, P2, P3 as in the header.
+// Computes one column from s, the column of J_l; P1, P2, P3 are defined in the header.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;

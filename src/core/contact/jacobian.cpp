@@ -73,7 +73,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
   for (std::size_t c = 0; c < f_offset.size(); ++c)
     if (f_offset[c] + scene.contacts[c].rows() > f.size() && f_offset[c] >= 0)
       throw std::invalid_argument(std::string(name) + ": f does not fit f_offset");
-  std::vector<int> first;  // body of each robot
+  std::vector<int> first;  // number of each robot's first body
   int bodies = 0;
   for (const Robot& robot : scene.robots) {
     first.push_back(bodies);
@@ -104,7 +104,7 @@ std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstRef& q
               static_cast<Eigen::Index>(scene.wrenches.size()));
   AppliedForces<double> applied(scene);
   find_applied_wrenches<double>(scene, q.data(), v.data(), given, applied);
-  std::size_t first = 0;  // body of each robot
+  std::size_t first = 0;  // number of the robot's first body
   for (std::size_t r = 0; r < scene.robots.size(); first += scene.robots[r++].model->joints.size())
     if (applied.number[r] >= 0) {
       const auto& of = applied.robots[static_cast<std::size_t>(applied.number[r])];

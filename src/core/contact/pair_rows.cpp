@@ -24,7 +24,7 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// Returns to^-1 of, for placements that may both be far away from the body they are placed on.
+// Returns to^-1 of, accurately for placements that are both far away from their body's origin.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
@@ -36,7 +36,7 @@ SE3<double> placement_A(const std::vector<Contact>& members) {
   return at;
 }
 
-// B' as far from the first member's as A is from the first member's A.
+// The placement of the pair's B', relative to the first member's B' as A is relative to the first member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
 }
@@ -79,7 +79,7 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   return rank;
 }
 
-// Flags each row of B that is independent of those before it: `rank` rows.
+// Flags the `rank` rows of B that are independent of the rows before them.
 std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
@@ -96,9 +96,8 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// The rotation of Q's columns that makes its rows that span all a lower triangle, with a positive diagonal. The first k
-// rows of R then span what the first k of those rows of B do: a row of R depends on rows before it where that row of B
-// does.
+// The rotation of Q's columns that makes its rows flagged in `spans` lower triangular with a positive diagonal, so that
+// a row of R depends on rows before it if that flagged row of B does.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
   Eigen::Index k = 0;
@@ -111,7 +110,7 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// B = Q R; false where its rows are independent, or the rank is in doubt.
+// Computes B = Q R; returns false if B's rows are independent, or if the rank is in doubt.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
@@ -122,8 +121,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   pair.spans = first_independent(B, rank);
   numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
-  // Computes a right inverse with rotations in units of the moment arms, as in R, so that its error does not depend on
-  // the lengths of the arms.
+  // A right inverse with rotations in units of the moment arms, as in R: its error must not depend on their lengths.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
@@ -135,7 +133,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   return true;
 }
 
-// The gains, with which the terms of a0 are scaled, and B'.
+// Computes what may change between solves: the gains, with which the terms of a0 are scaled, and B'.
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);

@@ -8,7 +8,6 @@ ReferenceResolver::ReferenceResolver(const Scene& scene, const Eigen::VectorXd& 
   expect_configuration("resolve_references", "q", q, scene);
 }
 
-// Returns an attached frame's placement in the world.
 SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>& offset) {
   const Robot& robot = scene_.robots[at.robot];
   if (at.joint < 0) return robot.base * offset;

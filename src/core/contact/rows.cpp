@@ -41,15 +41,14 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
-// The origin of that tree frame. For a fixed base the kinematics of its robot are not used, because they may be those
-// of an earlier state.
+// The origin of that tree frame. A fixed base's kinematics are not used: they may be those of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];
   return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
-// W: the rows kept, in A's axes; in the world's axes they are turned by R = oR_A.
+// W: the selected rows in A's axes; in the world's axes they are rotated by R = oR_A.
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
   Mat3<S> axes = Mat3<S>::Identity();

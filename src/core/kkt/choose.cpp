@@ -22,8 +22,7 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// Returns the cost of M, J and the quantities they are computed from, which only sparse-bodies does not need. In large
-// islands these are computed contact by contact.
+// Cost of M, J and their terms, which sparse-bodies does not need; large islands compute them contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -61,8 +60,7 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than factoring K, which costs `cost`. Most islands are shallow and
-// need no analysis.
+// Whether sparse-bodies is predicted to be cheaper than a factor of K at `cost`. Shallow islands need no analysis.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
@@ -70,7 +68,7 @@ bool bodies_are_cheaper(IslandShape& shape, double cost) {
   return kBody * nodes < cost && cost_bodies(shape) < cost;
 }
 
-// Coordinates that move a body.
+// The number of coordinates that move a body.
 double chain_length(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Model& model = *scene.robots[at.robot].model;
@@ -84,7 +82,7 @@ double joint_space_size(const IslandShape& shape) {
   double size = 0;
   for (const Robot& robot : shape.scene().robots)
     for (int depth : robot.model->dof_depth) size += depth + 1.0;
-  for (const Contact& contact : shape.scene().contacts)  // common ancestors counted: an upper bound
+  for (const Contact& contact : shape.scene().contacts)  // an upper bound, since common ancestors are counted
     size += contact.rows() * (chain_length(shape.scene(), contact.A) + chain_length(shape.scene(), contact.B));
   return size;
 }
@@ -92,7 +90,7 @@ double joint_space_size(const IslandShape& shape) {
 double least_cost_ldl(const IslandShape& shape) {
   sparse::LdlCounts least;
   for (const Robot& robot : shape.scene().robots)
-    for (const double depth : robot.model->dof_depth) {  // M's column has its ancestors' rows, no less in any order
+    for (const double depth : robot.model->dof_depth) {  // M's column has its ancestors' rows in any order
       least.nonzeros += depth;
       least.flops += depth * (depth + 2);
     }
@@ -160,7 +158,7 @@ Choice choose(IslandShape& shape, const Options& options) {
   choice.method = Method::kSparseLdl;
   if (!options.order && bodies_are_cheaper(shape, cost_ldl(shape, choice.order)))
     return {Method::kSparseBodies,
-            choice.order};  // the order is for the whole K, which solves what sparse-bodies cannot
+            choice.order};  // the order is for the whole K, which serves as a fallback
   return choice;
 }
 

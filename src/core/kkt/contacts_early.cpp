@@ -1,4 +1,4 @@
-// The order contacts-early: a contact as soon as the joints below it give it its pivots.
+// The order contacts-early: a contact is eliminated as soon as the joints below it give it sound pivots.
 
 #include <algorithm>
 #include <array>
@@ -21,14 +21,14 @@ namespace manycontact {
 
 namespace {
 
-// M and J in a configuration, as assemble takes them.
+// M and J in one configuration, as needed by `assemble`.
 struct Numbers {
   std::vector<std::vector<double>> M;  // one entry per robot, packed
   std::vector<Eigen::MatrixXd> J;      // one entry per contact
 };
 
-// M and J in a configuration without symmetry, `most` about `mean` from the neutral one, whatever the base: islands of
-// one shape see the same. other: how a robot's differs from the one before.
+// Computes M and J in a configuration without symmetry, `mean` +- `most` from the neutral one. It does not depend on
+// the bases, so that islands of one shape get the same order. other: phase between one robot and the next.
 Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport& support, double mean, double most,
                    double other) {
   Numbers numbers;
@@ -55,7 +55,7 @@ Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport
   return numbers;
 }
 
-// Rows of unit length: the part that coordinates give a row is judged relative to all that moves it.
+// Scales rows to unit length: the part that coordinates contribute to a row is compared with the whole row.
 std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   for (Eigen::MatrixXd& rows : J)
     for (auto row : rows.rowwise())
@@ -78,9 +78,9 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   return camd_order_from_ground(n, std::move(joined));
 }
 
-// Bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of any further
-// contact between bodies of one cluster are sums of rows placed already. They are zero after elimination in any order,
-// so that these contacts need not wait for coordinates.
+// Clusters of bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of
+// any further contact within a cluster are sums of rows placed already. They vanish after elimination in any order, so
+// that such contacts need not wait for coordinates.
 class Clusters {
  public:
   Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
@@ -93,8 +93,7 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Places contact c. Calls use(contact) for contacts that now depend on placed ones; they may already be placed
-  /// themselves.
+  /// Places contact c. Calls use(contact) for contacts that now depend on placed ones, and may be placed already.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
@@ -125,7 +124,7 @@ class Clusters {
 
   const Scene& scene_;
   const Island& island_;
-  std::vector<int> first_;  // body of each robot, the world is body 0
+  std::vector<int> first_;  // first body of each robot; the world is body 0
   std::vector<int> memory_;
   std::optional<sparse::UnionFind> sets_;
   std::vector<std::vector<int>> touching_;  // one entry per root: contacts on bodies of the cluster
@@ -134,10 +133,10 @@ class Clusters {
 // Whether both ends are on one robot.
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
-// A contact is ready once the eliminated coordinates of its own, not yet used up by another, move it in as many
-// directions as it has rows, by `distinct` at least; it uses up those that do it best. J: of unit rows, in
-// configurations in all of which that must be so. A loop's contact is ready once all its coordinates are eliminated:
-// these are few, and then independent rows have sound pivots in every configuration.
+// A contact is ready once its eliminated coordinates that no other contact has used up move it in as many directions as
+// it has rows, by at least `distinct`. It uses up the coordinates that do this best. J: unit rows in several
+// configurations, in all of which this must be true. A loop's contact is ready once all its coordinates are eliminated:
+// these are few, and independent rows then have sound pivots in every configuration.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
@@ -161,7 +160,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       const std::vector<int>& columns = support.columns[c];
       const bool loop = closes_loop(scene.contacts[island.contacts[c]]);
       if (loop && !std::ranges::all_of(columns, [&](int k) { return eliminated[k] != 0; })) continue;
-      std::vector<int> available;  // columns of J
+      std::vector<int> available;  // numbers of columns of J
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (eliminated[columns[k]] && !used[columns[k]]) available.push_back(static_cast<int>(k));
       const Eigen::Index rows = J.front()[c].rows(), most = static_cast<Eigen::Index>(available.size());
@@ -190,7 +189,7 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
-// Returns M and J in some configurations; in the last, legs are nearly straight.
+// Returns M and J in three configurations; in the last one, legs are nearly straight.
 std::vector<Numbers> some_postures(const Scene& scene, const Island& island, const IslandSupport& support) {
   std::vector<Numbers> out;
   for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
@@ -198,14 +197,14 @@ std::vector<Numbers> some_postures(const Scene& scene, const Island& island, con
   return out;
 }
 
-// Whether the pivots keep a large margin in several configurations.
+// Whether the pivots of an order keep a large margin in several configurations.
 bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
            const std::vector<int>& perm, double most_growth, std::vector<Numbers>& postures) {
   if (postures.empty()) postures = some_postures(scene, island, support);
   KktMatrix matrix;
   matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // Once: by the factor that compiles no schedule. Rows that depend on others in the first configuration are dropped,
-  // or of many rows left as they are: their null space may be no sparse matrix.
+  // No schedule, since an order is factorized only a few times. If rows depend on others in the first configuration, a
+  // factor that drops them follows: the proximal one for many rows, which stores no null space.
   std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
   FactorScratch scratch;
   bool first = true;
@@ -230,25 +229,25 @@ bool holds(const Scene& scene, const Island& island, const IslandSupport& suppor
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  std::vector<Numbers> postures;  // made when first asked for
+  std::vector<Numbers> postures;  // computed on demand
   std::vector<std::vector<Eigen::MatrixXd>> J{of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J)};
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
   const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
   const bool alone = robots.size() == 1;
   // If this order is no cheaper than contacts last, its pivots need not be tested. For one robot, contacts that wait
-  // for longer make it no cheaper, and their order among themselves counts for little.
+  // longer make it no cheaper, and their order among themselves matters little.
   std::vector<int> natural(K.n);
   std::iota(natural.begin(), natural.end(), 0);
   const double most =
       tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(scene, island, K)));
-  using Ordered = std::pair<std::vector<int>, double>;  // and its cost
+  using Ordered = std::pair<std::vector<int>, double>;  // an order and its cost
   const auto ordered = [&](const std::vector<int>& of_robots, double distinct) {
     std::vector<int> perm = with_contacts(scene, island, support, J, of_robots, distinct);
     const double of_perm = cost(K, perm);
     return Ordered(std::move(perm), of_perm);
   };
-  // Makes the orders that follow the robots' order and the degree; the one to be preferred comes first.
+  // Returns the orders that follow the robots' numbers and their degrees, the preferred one first.
   const auto orders_by = [&](double distinct) {
     std::vector<Ordered> out{ordered(robots, distinct)};
     if (by_degree != robots) out.push_back(ordered(by_degree, distinct));
@@ -256,7 +255,7 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     return out;
   };
   double cheapest = std::numeric_limits<double>::infinity();
-  // An order far dearer than another is not even factorized: around a hub its factorization would never end.
+  // A far more expensive order is not even factorized: around a hub the factorization would take too long.
   const auto is_affordable = [&](const Ordered& order) { return order.second <= tolerance::kFarDearer * cheapest; };
   const auto sound = [&](const Ordered& order) {
     return order.second < most && is_affordable(order) &&
@@ -270,12 +269,12 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
     const auto found = std::find_if(orders.begin(), orders.end(), sound);
     Ordered& best = found == orders.end() ? orders.front() : *found;
     least = best.second;
-    if (!is_affordable(best)) break;  // cheaper orders remain untested
+    if (!is_affordable(best)) break;  // the cheaper orders were not tested
     perm = std::move(best.first);
     if (found != orders.end() || (least >= most && alone)) break;
   }
   if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;
-  // Some of many contacts on a hub are always ill-placed in the tests. It may be far cheaper to delay only these.
+  // Among many contacts on a hub some are ill-placed in all tests. It may be far cheaper to delay only these.
   for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
   auto [other, of_other] = std::move(orders_by(tolerance::kWaitDistinct).front());
   const double most_growth =

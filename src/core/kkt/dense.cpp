@@ -24,7 +24,7 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
-// Decides which rows of J are independent.
+// Determines the rank of J and its independent rows by a pivoted QR.
 template <class S>
 void decide_rank(DenseKkt<S>& kkt) {
   MatX<S> scaled = kkt.J.transpose();
@@ -54,7 +54,7 @@ void decompose_rows(DenseKkt<S>& kkt) {
     sorted.row(k) = C.col(order[k]).transpose();
     kkt.sorted.indices()[kkt.choice.colsPermutation().indices()[order[k]]] = k;
   }
-  if (kkt.of_Ct.cols() != kkt.rank)  // made again, as in factor
+  if (kkt.of_Ct.cols() != kkt.rank)  // constructed again, as in factor
     kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);
   kkt.of_Ct.compute(sorted);
 }
@@ -66,8 +66,8 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// A = N^T M N, whose pivots may be only rounding errors of the terms |N|^T |M| |N|, however large these are relative to
-// A; or only those of N's columns, which are of unit length, times M.
+// Whether the factor of A = N^T M N is sound: pivots may consist of rounding errors of the terms |N|^T |M| |N|, however
+// large these are relative to A, or of those of M times N's columns, which have unit length.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
@@ -82,7 +82,7 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
-  // No pivoting is done, so noise can pass on from a poor pivot to the next and grow: the condition number shows it.
+  // Without pivoting, a poor pivot may pass growing errors on to the next ones: the condition number shows that.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
     Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
     y = llt.solve(y.template cast<S>()).template cast<double>();

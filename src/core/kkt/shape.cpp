@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// The bodies of a contact's ends. An A that cannot move, perhaps on a robot of another island, is said to be on B's.
+// The bodies of a contact's ends. An immovable A, perhaps on another island's robot, counts as on B's robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -21,12 +21,10 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether a contact's position on A's body determines the directions in which a coordinate moves it. It does not for a
-// frame (6D) contact, which constrains all directions of the body.
+// Whether a contact's position on A's body matters for its directions; not for 6D, which constrains all of them.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// An order in which the rows of each contact take their places in ascending order. K's pattern stays as it is: they
-// have the same columns.
+// Puts the rows of each contact in ascending order; K's pattern does not change, since they have the same columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -81,7 +79,7 @@ const sparse::LdlCounts& IslandShape::counts(Order order) {
   auto& counts = counts_[static_cast<std::size_t>(order)];
   if (counts) return *counts;
   const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
-  for (const Order each : kOrders)  // whoever asks for one compares all
+  for (const Order each : kOrders)  // callers compare the counts of all orders
     counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }
@@ -134,8 +132,7 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Further words for the order contacts-early: the models' numbers, and those of the contacts' places and axes that
-// IslandShape keeps.
+// Adds further words for contacts-early: models, and the contacts' places and axes that IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
@@ -151,7 +148,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Reserves the most words of both.
+// Reserves memory for the words of add_structure and add_places.
 void reserve(const Island& island, Words& key) {
   key.reserve(2 + 2 * island.robots.size() + 54 * island.contacts.size());
 }
@@ -159,8 +156,8 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
-  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, read the same
-  // analyses, which stay in the processor's caches. The key names a shape's models while these live.
+  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, share analyses,
+  // which then remain in the processor's caches. The key identifies a shape's models while these live.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

@@ -10,7 +10,7 @@ using ConstRef = ConstVectorRef;
 
 namespace {
 
-// "q[3] is nan, a finite number is expected"; "" where all are.
+// Returns "q[3] is nan, a finite number is expected", or "" if all numbers are finite.
 std::string not_finite(const char* what, const ConstRef& x) {
   if (x.allFinite()) return "";
   Eigen::Index i = 0;

@@ -40,7 +40,7 @@ int axis_kind(const Vec3<double>& axis) {
   return 3;
 }
 
-// Depth first: joint i-1's chain towards the base contains i's parent.
+// Numbering is depth first if the chain of joint i-1 towards the base contains i's parent.
 void number_subtrees(Model& model) {
   const int n = model.njoints();
   model.subtree_end.assign(n, 0);
@@ -58,8 +58,8 @@ void number_subtrees(Model& model) {
   }
 }
 
-// Joints may determine where a robot is, as for one that drives along x and y. These are the first joints, with no more
-// coordinates than a base has, down to the last one with an offset. Lighter subtrees may branch off from them.
+// The joints that determine where a robot is, as for one that drives along x and y. They are the first joints, with no
+// more coordinates than a base has, down to the last one with an offset. Lighter subtrees may branch off from them.
 std::vector<int> path_to_anchor(const Model& model, int root) {
   constexpr int kBaseCoordinates = 6;
   std::vector<int> path{root};
@@ -89,7 +89,7 @@ void find_trees(Model& model) {
   }
 }
 
-// The velocity coordinates with a torque. After idx_v.
+// The velocity coordinates with a torque. Needs idx_v.
 std::vector<int> actuated_coordinates(const Model& model) {
   std::vector<int> out;
   for (int i = model.floating_base ? 1 : 0; i < model.njoints(); ++i)
@@ -97,7 +97,7 @@ std::vector<int> actuated_coordinates(const Model& model) {
   return out;
 }
 
-// All that patterns, and the branches of the algorithms, depend on.
+// Everything on which patterns and the branches of the algorithms depend.
 std::vector<std::uint64_t> key_of(const Model& model) {
   std::vector<std::uint64_t> key{model.floating_base};
   key.reserve(1 + 8 * model.joints.size());
@@ -112,7 +112,7 @@ std::vector<std::uint64_t> key_of(const Model& model) {
 
 }  // namespace
 
-/// What models of one structure share; known by its address alone.
+/// An identity shared by all models of one structure: only its address is used.
 struct ModelStructure {};
 
 void finalize(Model& model) {

@@ -1,5 +1,3 @@
-// Names and numbers of a scene's coordinates.
-
 #include <stdexcept>
 
 #include "manycontact/model/scene.hpp"
@@ -9,7 +7,7 @@ namespace manycontact {
 
 namespace {
 
-// The names of count(joint) coordinates of each joint; of actuated joints only: of those with torques.
+// The names of the coordinates of all joints, or of the actuated ones only; count(type) is a joint's number of them.
 std::vector<std::string> names(const Scene& scene, int (*count)(JointType), bool actuated = false) {
   std::vector<std::string> out;
   for (const Robot& robot : scene.robots)

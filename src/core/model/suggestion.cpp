@@ -30,7 +30,7 @@ std::size_t distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-// "knee_left" as "knee_left", "left_knee" too: its words in alphabetical order.
+// The words of a name in alphabetical order, so that "knee_left" and "left_knee" agree.
 std::string in_order(const std::string& name) {
   std::vector<std::string> words(1);
   for (const char c : name) {
@@ -45,7 +45,7 @@ std::string in_order(const std::string& name) {
   return out;
 }
 
-// Changes of letters from a to b, the order of their words apart; one if b has a as a part.
+// The number of letters to change from a to b, ignoring the order of words; 1 if a is a part of b.
 std::size_t difference(const std::string& a, const std::string& b) {
   if (a.size() > 2 && b.find(a) != std::string::npos) return a == b ? 0 : 1;
   return std::min(distance(a, b), distance(in_order(a), in_order(b)) + 1);

@@ -23,7 +23,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   least.assign(K.n, 0.0);
   for (int k = 0; k < K.n; ++k) {
     if (of_M[k]) continue;
-    double size = 0;  // largest entry of J's row in the columns before it
+    double size = 0;  // largest entry of row k of J in columns of M before it
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
     const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
     least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
@@ -43,8 +43,8 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // Rows of J add terms to the pivot of a later row of M. If these terms dominate M's own entry, the rows of J had no
-    // sound pivot from the rows of M before them.
+    // Rows of J add terms to the pivot of a later row of M. If these dominate M's own entry, the rows of J had no sound
+    // pivot from the rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -107,14 +107,14 @@ Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::sp
   return largest;
 }
 
-// Whether row k was dropped in place of another, or waited. Such a row may depend on later rows.
+// Whether row k was dropped by an exchange, or still waits. Such a row may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
          std::find(w.rows.begin() + w.joined, w.rows.end(), k) != w.rows.end();
 }
 
-// Finds J's entries in rows of M after them.
+// Finds J's entries in later rows of M.
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
@@ -202,7 +202,7 @@ void append_columns(std::span<const int> dropped, DependentRows& rows) {
   }
 }
 
-// Memory of columns that are to be found.
+// Prepares the memory for the columns to be found.
 void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
@@ -218,7 +218,7 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   take_later_entries(K, of_M, rows);
 }
 
-// Computes the columns of N of the rows dropped from rows.dropped[first] on, and appends them.
+// Computes and appends the columns of N of the rows from rows.dropped[first] on.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                   const double* row_scale, const double* Lx, const SolvePanel& solve, std::size_t first,
                   DependentRows& rows) {
@@ -245,7 +245,7 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Keeps the columns of the rows that plainly depend, and these rows alone; the others wait. Returns how many it keeps.
+// Keeps the rows that certainly depend, and their columns; the others wait. Returns the number of rows kept.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;
@@ -264,7 +264,7 @@ std::size_t keep_plain_columns(DependentRows& rows) {
   rows.Np.resize(plain + 1);
   rows.Ni.resize(end);
   rows.Nx.resize(end);
-  rows.largest_residual = 0;  // the columns that stay leave at most kRowLeft
+  rows.largest_residual = 0;  // the kept columns leave at most kRowLeft
   return plain;
 }
 

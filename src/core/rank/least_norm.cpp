@@ -18,7 +18,7 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// K's pattern in CAMD's order, x before y.
+// The pattern of the augmented system in CAMD's order, x before y.
 sparse::UpperCsc augmented_pattern(int rows, int cols, const Entries& A, std::vector<int>& iperm) {
   std::vector<std::pair<int, int>> entries;
   for (const auto& a : A) entries.emplace_back(cols + a.row(), a.col());
@@ -37,7 +37,7 @@ std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const 
   return Kx;
 }
 
-// Refines z += K^-1 (b - K z) until the componentwise backward error is at the level of rounding errors.
+// Refines z += K^-1 (b - K z) until the componentwise backward error is a rounding error. Returns whether it converges.
 template <class Solve>
 bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const Solve& solve,
                      const std::vector<double>& b, std::vector<double>& z) {
@@ -55,7 +55,7 @@ bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, c
   return refinement.backward_error <= tolerance::kConverged;
 }
 
-// Returns nothing if a pivot may consist of rounding errors.
+// Returns std::nullopt if a pivot may consist of rounding errors.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   std::vector<int> iperm;
   const sparse::UpperCsc K = augmented_pattern(rows, cols, A, iperm);

@@ -1,4 +1,4 @@
-// The projector on the null space of J^T: its columns in clusters, a basis of each, and the rows exchanged in it.
+// The projector on the null space of J^T: clusters of the columns of N, a basis of each, and the exchange of rows.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -15,24 +15,24 @@ namespace manycontact::rank {
 
 namespace {
 
-// Calls use(row of K, value) for each entry of the given columns of N or B.
+// Calls use(row of K, value) for each entry of a column of N or B.
 template <class Use>
 void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x, int column,
                 Use&& use) {
   for (int k = p[column]; k < p[column + 1]; ++k) use(i[k], x[k]);
 }
-// ... of a cluster's column of N.
+// Calls use(row of K, value) for each entry of a cluster's column of N.
 template <class Use>
 void each_of_null(const DependentRows& rows, const DependentRows::Cluster& cluster, int member, Use&& use) {
   each_entry(rows.Np, rows.Ni, rows.Nx, rows.members[cluster.first + member], use);
 }
-// ... of its column of B.
+// Calls use(row of K, value) for each entry of a cluster's column of B.
 template <class Use>
 void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& cluster, int column, Use&& use) {
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
 }
 
-// Lists the rows of K in which a cluster's columns of N have entries: first those dropped, then those kept.
+// Lists the rows of K in which a cluster's columns of N have entries: first the dropped rows, then the kept ones.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   constexpr int kListed = -2;  // in rows.owner
   std::vector<int>& all = rows.cluster_rows;
@@ -48,13 +48,13 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// [Z; 1] of a cluster, a column for each of its kept rows.
+// The basis [Z; 1] of a cluster's complement, with one column for each of its kept rows.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
-  std::vector<int>& place = rows.owner;  // next entry's place in the column of each kept row
+  std::vector<int>& place = rows.owner;  // position of the next entry in the column of each kept row
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
-  const auto each = [&](auto&& use) {  // but the dropped rows' own
+  const auto each = [&](auto&& use) {  // the dropped rows' own entries are skipped
     for (int a = 0; a < cluster.count; ++a) {
       const int k = rows.dropped[rows.members[cluster.first + a]];
       each_of_null(rows, cluster, a, [&](int j, double value) {
@@ -78,11 +78,10 @@ void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   each([&](int j, int k, double value) { put(j, k, -value); });
 }
 
-// Whether a cluster is small enough for its columns of N to be stored densely.
 bool is_small(const DependentRows::Cluster& cluster) {
   return static_cast<std::size_t>(cluster.row_end - cluster.row) * cluster.count <= tolerance::kMostExchanged;
 }
-// A cluster's columns of N in the cluster's rows, in rows.panel.
+// A cluster's columns of N, dense in the cluster's rows, stored in rows.panel.
 Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRows::Cluster& cluster) {
   const int n = cluster.row_end - cluster.row;
   const std::size_t size = static_cast<std::size_t>(n) * cluster.count;
@@ -95,9 +94,8 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// Computes an orthonormal basis of N's columns, dense in the cluster's rows. Uses the Gram-Schmidt method twice, with
-// the column of the largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). The error J^T n of a
-// column is amplified by the ratio of the column to its remainder.
+// Computes an orthonormal basis of N's columns, dense in the cluster's rows, by Gram-Schmidt twice, largest remainder
+// first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). An error J^T n grows by the ratio of column to remainder.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -119,7 +117,6 @@ void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   }
 }
 
-// Largest entry of the cluster's columns of N.
 double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cluster) {
   double largest = 0;
   for (int a = 0; a < cluster.count; ++a)
@@ -127,7 +124,7 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
   return largest;
 }
 
-// B of a cluster.
+// Computes B of a cluster.
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);
@@ -145,11 +142,10 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   }
 }
 
-// Columns of N that share rows belong together.
+// Groups the columns of N that share rows into clusters.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // owner has one entry per row of K: a column of N with an entry in this row, or -1. Then follows one entry per
-  // column: the first column of its cluster.
+  // owner: per row of K a column of N with an entry there, or -1; then per column the first column of its cluster
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
@@ -160,7 +156,7 @@ void make_clusters(int n, DependentRows& rows) {
       if (of >= 0 && of != joined) sets.join(joined = of, c);
     }
   }
-  constexpr std::size_t kReserved = 64 * 64;  // rows that clusters share may vary with rounding, and memory must not
+  constexpr std::size_t kReserved = 64 * 64;  // clusters vary with rounding errors, and memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
   rows.cluster_rows.clear();
@@ -224,9 +220,9 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
-// The largest volume of N's square parts, or nearly: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How
-// to find a good submatrix (2010). With N = [1; -Z] in the rows dropped and kept, a turn of kept row i with dropped row
-// j is a pivot on N_ij.
+// Approximately maximises the volume of the square submatrix of N's dropped rows: Goreinov, Oseledets, Savostyanov,
+// Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010). N = [1; -Z] in the dropped and the kept rows;
+// exchanging kept row i with dropped row j is a pivot step on N_ij.
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
   if (!is_small(cluster)) return false;
   const int* row = rows.cluster_rows.data() + cluster.row;
@@ -246,7 +242,7 @@ bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& clus
   return exchanged;
 }
 
-// T's rows times (B^T B)^-1, with its factor.
+// T <- (B^T B)^-1 T with the Cholesky factor in `gram`.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
   const int n = cluster.size;
@@ -261,8 +257,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// Calls use(cluster) for each cluster. If kept rows are so small that their part of the null space is large, it is
-// called twice: the second call removes the rounding errors of the first.
+// Calls use(cluster) for each cluster, twice for orthonormal bases: they have kept rows so small that their part of the
+// null space is large, and the second call removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)
@@ -308,7 +304,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
     if (cluster.kind ==
-        cluster.kComplement) {  // I - P is the smaller projector: y becomes zero on the cluster, and B t is added again
+        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, and B t is added
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -326,7 +322,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
 
 namespace {
 
-// Whether a row that the cluster's columns of N are in is not zero; then none of them will be.
+// Whether one of the cluster's rows is non-zero; then all of them will be, and their flags are set.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
   const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
   const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });
@@ -339,7 +335,7 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  constexpr int kColumns = 64;  // columns at a time; clusters may vary with rounding, and memory must not
+  constexpr int kColumns = 64;  // columns at a time; clusters vary with rounding errors, memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
   each_projection(rows, [&](const DependentRows::Cluster& cluster) {

@@ -23,8 +23,8 @@ namespace simd {
 
 namespace {
 
-// Each level runs wherever the next one does. AVX-512 gains nothing over AVX2 in Eigen's products of dense blocks, nor
-// in double-double, which needs the fused product alone.
+// Each level runs on every processor that runs the next wider one. Eigen's dense products and double-double, which only
+// needs fused multiply-add, gain nothing from AVX-512.
 constexpr Level kLevels[] = {
 #ifdef MANYCONTACT_LEVEL_avx512
     {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, lanes::level_one_avx512,

@@ -1,10 +1,9 @@
 #pragma once
-// The kernels of all modules, compiled once per level of instructions (src/core/simd/levels.cmake) and chosen here when
-// the program runs.
+// The kernels of all modules, compiled once per instruction level (src/core/simd/levels.cmake) and chosen at run time.
 
 #include <span>
 
-/// The name that a level's kernels have: MANYCONTACT_OF_LEVEL(level_) is level_avx2 in the source compiled for avx2.
+/// The name of a level's kernels: MANYCONTACT_OF_LEVEL(level_) is level_avx2 in the source compiled for avx2.
 #define MANYCONTACT_PASTE(prefix, level) prefix##level
 #define MANYCONTACT_PASTE_VALUES(prefix, level) MANYCONTACT_PASTE(prefix, level)
 #define MANYCONTACT_OF_LEVEL(prefix) MANYCONTACT_PASTE_VALUES(prefix, MANYCONTACT_LEVEL)
@@ -33,13 +32,13 @@ struct Level {
   const char* name;
   const sparse::PanelKernels& panels;
   const sparse::DenseKernels& blocks;
-  const lanes::Level &robots, &one_robot;  // SIMD batches of robots; one at a time
+  const lanes::Level &robots, &one_robot;  // SIMD batches of robots; single robots
   const extended::Level& equations;
   bool (*runs)();  // whether this processor has the instructions
 };
 
-/// All levels of this build that this processor has the instructions of, the widest first.
-/// @throws std::runtime_error where there are none: the build was for another machine alone
+/// All levels of this build whose instructions this processor has, the widest first.
+/// @throws std::runtime_error if there are none: the build was for another processor only
 std::span<const Level> levels();
 
 }  // namespace simd

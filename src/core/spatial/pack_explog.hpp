@@ -1,6 +1,5 @@
 #pragma once
-// The functions of explog.hpp for SIMD batches of robots, where packs are compiled. Logarithms have branches and are
-// computed robot by robot.
+// The functions of explog.hpp for SIMD batches, robot by robot, since logarithms have branches.
 
 #include "manycontact/spatial/explog.hpp"
 

@@ -1,5 +1,3 @@
-// Advice on robots and joints that nothing loads or moves.
-
 #include <algorithm>
 #include <map>
 #include <stdexcept>
@@ -16,9 +14,9 @@ namespace {
 
 constexpr double kNegligible = 1e-9;  // relative to the largest acceleration in the scene, or to gravity
 
-/// The robots and joints that contacts and springs act on, and the acceleration that counts as zero.
+/// The bodies that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
-  std::vector<std::vector<char>> touched;  // one entry per robot and joint: a contact or a spring acts on its body
+  std::vector<std::vector<char>> touched;  // one per robot and joint: a contact or spring acts on its body
   std::vector<char> robot_touched;
   double negligible = 0;  // accelerations up to this count as zero
 };
@@ -73,7 +71,7 @@ bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int 
          (data.a.segment(first, joint.nv()).array().abs() <= s.negligible).all();  // false for NaN
 }
 
-// Collects texts about several robots: text -> robots, in the order of the first.
+// Groups equal texts: text -> robots, in the order of their first robots.
 struct Said {
   std::map<std::string, std::size_t> at;
   std::vector<std::pair<std::string, std::vector<int>>> items;

@@ -1,5 +1,3 @@
-// Advice on contacts: only what follows from ranks at the scene's configuration.
-
 #include <algorithm>
 #include <stdexcept>
 
@@ -15,27 +13,26 @@ namespace {
 
 constexpr std::size_t kMostItems = 40;
 
-// Returns " (63 more identical islands)", or nothing if there is none.
+// Returns " (63 more identical islands)", or "" if there are none.
 std::string and_more(std::size_t more, const std::string& what) {
   return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }
 
-// The islands of a kind, of which the first speaks for all.
+// The islands of one kind, represented by the first.
 struct Subject {
   const Scene& scene;
-  const Island& island;  // the first
+  const Island& island;
   const IslandKind& kind;
 };
 
-// Whether rows of one of these contacts are nearly dependent. Contacts that impose the same constraints are then
-// affected as well.
+// Whether rows of one of these contacts are nearly dependent, which affects contacts with equal constraints, too.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   return std::ranges::any_of(ranks.lighter, [&](const Lighter& l) {
     return l.only_just > 0 && std::ranges::find(contacts, l.contact) != contacts.end();
   });
 }
 
-// Redundant rows by name, and what is left without them.
+// Names redundant rows, and the rows that are left.
 void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   if (!ranks.known || ranks.rank == x.island.nc) return;
@@ -58,10 +55,10 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   advice.push_back(text);
 }
 
-// What takes the place of a pair's rows.
+// A replacement for a pair's rows.
 struct Replacement {
-  std::string text;  // empty: nothing to say
-  int rows = -1;     // -1: no contact type takes their place
+  std::string text;  // empty: no advice
+  int rows = -1;     // number of rows; -1: no single contact type replaces them
 };
 
 Replacement replacement(const Scene& scene, const BodyPair& p) {
@@ -88,7 +85,7 @@ Replacement replacement(const Scene& scene, const BodyPair& p) {
   return {};
 }
 
-// One contact that does for all between the same two bodies; and what that would leave.
+// Recommends one contact for all contacts between the same two bodies, and reports the rows that it leaves.
 void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   for (const auto& alike : alike_pairs(x.scene, ranks.pairs)) {
@@ -114,7 +111,6 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
                      ", together they have " + std::to_string(ranks.rank));
 }
 
-// Contacts that constrain more directions than their robots can move in.
 void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
   for (const Lighter& l : x.kind.ranks.lighter) {
     const Contact& contact = x.scene.contacts[l.contact];

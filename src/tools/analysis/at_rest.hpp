@@ -11,7 +11,7 @@
 
 namespace manycontact::internal {
 
-/// The contacts of a solution.
+/// Flags of the contacts that are active in a solution.
 inline std::vector<char> active_of(const SceneData& data) {
   std::vector<char> active;
   for (const int first : data.f_offset) active.push_back(first >= 0);
@@ -29,8 +29,7 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// How much an island's part of n, a null vector of J^T, may change where J is off by its inaccuracy. change: per row,
-/// by AtRest::change_of_null.
+/// Bounds the change of an island's null vector n of J^T by J's inaccuracy. change: from AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -47,7 +46,7 @@ void each_coordinate(const Scene& scene, const SceneData& data, std::size_t isla
     for (int k = 0; k < scene.robots[r].model->nv; ++k) act(scene.robots[r].idx_v + k);
 }
 
-/// The scene at rest, without gravity and damping, whose contacts ask for motions; all others are their errors.
+/// The scene at rest, without gravity and damping, in which motions of contact rows can be prescribed.
 class AtRest {
  public:
   AtRest(const Scene& scene, const std::vector<char>& active, const Options& options)
@@ -55,16 +54,16 @@ class AtRest {
     data_.active = active;
     prepare(scene_, data_);
   }
-  /// The rows of a solution's contacts, with the dependent rows of that solution.
+  /// Uses the active contacts of a solution, and its dependent rows.
   AtRest(const Scene& scene, const SceneData& of) : AtRest(scene, active_of(of), of.options) {
     keep_dependent_as(of, scene_, data_);
   }
 
   Eigen::Index rows() const { return data_.f.size(); }
-  Status worst() const { return worst_; }                    // worst status of its solves
+  Status worst() const { return worst_; }                    // worst status of all solves
   const Eigen::VectorXd& forces() const { return data_.f; }  // forces of the last solve
 
-  /// e, the errors of placement that gains correct, per row.
+  /// The placement errors e that gains correct, per row.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
     return of_contacts(q, nullptr,
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
@@ -74,8 +73,7 @@ class AtRest {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// J' v, per row: the rates of J v where the joints move with v and do not accelerate. a0 of a point has a term more
-  /// where its velocity is not zero.
+  /// J' v per row, the rate of J v if joints do not accelerate; a0 of a point with a velocity has one more term.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;
@@ -85,27 +83,24 @@ class AtRest {
       return d.W * rate;
     });
   }
-  /// The magnitudes of the terms of the bias acceleration: squares of the velocities of a contact's bodies, the same
-  /// for all rows of a contact.
+  /// Magnitudes of the terms of the bias acceleration: squared body velocities, equal for all rows of a contact.
   Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd {
       const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
       return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
     });
   }
-  /// Computes, of all x with the least |J x - wanted|, the one of least x^T M x: [M J^T; J 0] [x; -f] = [0; wanted].
-  /// Islands without a solution have NaN, and the function returns false. With damping, it minimises x^T M x + |J x -
-  /// wanted|^2 / damping.
+  /// Computes the x of least x^T M x among those of least |J x - wanted|: [M J^T; J 0] [x; -f] = [0; wanted]. Islands
+  /// without a solution get NaN, and the result is false. With damping: min x^T M x + |J x - wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
-    // the errors, which alpha = 1 adds to a0, are part of what is asked for already
+    // alpha = 1 adds the errors to a0, which `wanted` must cancel
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);
     x = data_.a;
     return status != Status::kFailed;
   }
-  /// w's part that no motion has: its projection on the null space of J^T. Twice, so that what rounding leaves of the
-  /// first is gone.
+  /// Projects w on the null space of J^T, twice to remove the rounding errors of the first projection.
   Eigen::VectorXd null_component(const Eigen::VectorXd& q, Eigen::VectorXd w) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {
@@ -114,16 +109,15 @@ class AtRest {
     }
     return w;
   }
-  /// The inaccuracy E of J rotates a null-space part n of w, and a motion v that the contacts allow: J^T dn = -E^T n
-  /// and J dv = -E v, where |E| <= inaccuracy (inaccuracy_of). The result is, for each row, the change of n for a sum
-  /// |n_k| of 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
+  /// The inaccuracy E of J, |E| <= inaccuracy (inaccuracy_of), changes a null vector n by J^T dn = -E^T n. Returns, per
+  /// row, the change of n for sum |n_k| = 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
   Eigen::VectorXd change_of_null(const Eigen::VectorXd& q, const Eigen::VectorXd& inaccuracy) {
     if (inaccuracy.isZero(0)) return Eigen::VectorXd::Zero(rows());
     const Eigen::VectorXd y = inaccuracy.cwiseProduct(mixed(inaccuracy.size(), 0).cwiseSign());
     (void)solve_tau(scene_, q, zero_, y, errors(q), data_);
     return data_.f;
   }
-  /// v's part that the contacts allow, J v = 0; twice as well.
+  /// Projects v on the motions that the contacts allow, J v = 0, twice as above.
   Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {
@@ -138,7 +132,7 @@ class AtRest {
     scene.gravity.setZero();
     drop_applied_forces(scene);
     scene.damping = 0;
-    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is e
+    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is then e
     return scene;
   }
   template <class Rows>

@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// act(a, b) for each pair of entries, b not after a, in every column of J.
+// Calls act(column, a, b) for each pair of entries b <= a in every column of J.
 template <class Act>
 void each_pair(const Eigen::SparseMatrix<double>& J, Act&& act) {
   for (Eigen::Index j = 0; j < J.outerSize(); ++j)
@@ -61,7 +61,7 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
 // coordinate at its bound is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr int kFullExchanges = 3;  // rounds with no fewer wrong bounds, after which one is exchanged at a time
+  constexpr int kFullExchanges = 3;  // rounds without fewer wrong bounds, after which one bound is exchanged at a time
   constexpr int kMostRounds = 200;
   const Eigen::Index n = J.cols();
   std::vector<char> free(static_cast<std::size_t>(n), 1);
@@ -91,7 +91,7 @@ void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::Vecto
       fewest = wrong.size(), patience = kFullExchanges;
     else
       --patience;
-    if (patience < 0) wrong = {wrong.back()};  // Murty's rule, which ends
+    if (patience < 0) wrong = {wrong.back()};  // Murty's rule, which terminates
     for (const Eigen::Index i : wrong) {
       if (free[i]) held[i] = x[i] < lower[i] ? lower[i] : upper[i];
       if (!free[i]) held[i] = 0;

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// J J^T + mu 1 by sparse LDL in an order of minimum degree, of those columns of J that count.
+/// The factor of J J^T + mu 1 by sparse LDL in a minimum-degree order. Selected columns of J can be used.
 class NormalMatrix {
  public:
   explicit NormalMatrix(const Eigen::SparseMatrix<double>& J);
@@ -31,7 +31,7 @@ class BoundedStep {
  public:
   explicit BoundedStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// mu > 0, and lower <= 0 <= upper, infinite where there are none.
+  /// Computes x. Requires mu > 0 and lower <= 0 <= upper, which may be infinite.
   void solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu, const Eigen::VectorXd& lower,
              const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

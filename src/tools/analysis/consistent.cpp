@@ -32,7 +32,7 @@ Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const
   return integrate(scene, q, dq);
 }
 
-// The steps it took.
+// Moves q until the contacts' placement errors vanish, or to a minimum. Returns the number of steps.
 int close_positions(const Scene& scene, const std::vector<char>& active, internal::AtRest& rest, Eigen::VectorXd& q) {
   int steps = 0;
   bool is_aside = false;
@@ -64,7 +64,7 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
 double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
 double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
 
-// "contact 'pin', the worst of 3, stays out of place by 0.1 m". what: "out of place".
+// "contact 'pin', the worst of 3, stays out of place by 0.1 m", for what = "out of place".
 template <class Error>
 std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
   const Error& worst = *std::ranges::max_element(list, {}, [](const Error& e) { return size_of(e); });

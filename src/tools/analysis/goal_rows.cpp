@@ -32,16 +32,16 @@ Vec3d turning(const Vec3d& from, const Vec3d& to) {
   return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
 }
 
-// A rotation error: rows of e, and their Jacobian with respect to the frame's own angular velocity.
+// A rotation error: the rows of e, and their Jacobian with respect to the frame's angular velocity in its own axes.
 struct Turned {
   Eigen::VectorXd e;
   Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
-  double angle = 0;  // left
+  double angle = 0;  // remaining angle
 };
 
-// Angles of which one is open or two, but not yaw alone; by their rates, of local angular velocity.
+// One or two prescribed angles, other than yaw alone, with their rates as functions of local angular velocity.
 Turned by_angles(const Mat3d& R, const Partial& rpy) {
-  constexpr double kLeastCosine = 1e-3;  // the angles mean nothing there
+  constexpr double kLeastCosine = 1e-3;  // below it the angles are not defined
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
   const double roll = std::atan2(R(2, 1), R(2, 2)), yaw = std::atan2(R(1, 0), R(0, 0));
   const double s = std::sin(roll), c = std::cos(roll);
@@ -71,7 +71,7 @@ Turned turned_from(const Mat3d& R, const Goal& goal) {
     out.e = w;
     out.of_spin = log3_derivative(w);
     out.angle = w.norm();
-  } else if (rpy[0] && rpy[1]) {  // the world's z as the frame sees it; it turns by minus the frame's spin
+  } else if (rpy[0] && rpy[1]) {  // the world's z in the frame's axes, which rotates by minus the frame's spin
     const Vec3d wanted = rotation_of_rpy(*rpy[0], *rpy[1], 0).transpose().col(2);
     const Vec3d w = turning(R.transpose().col(2), wanted);
     const Eigen::Matrix<double, 2, 3> T = across(wanted);
@@ -84,14 +84,13 @@ Turned turned_from(const Mat3d& R, const Goal& goal) {
   return out;
 }
 
-// All of a scene, or one of its robots.
 RigidBodies bodies_of(const Scene& scene, int robot) {
   return robot < 0 ? RigidBodies(scene) : RigidBodies(scene, scene.robots[robot].name);
 }
 
 }  // namespace
 
-// The rows being written.
+// Receives the rows of one goal.
 struct GoalRows::Rows {
   GoalRows& to;
   bool with_jacobian;
@@ -225,7 +224,7 @@ Vec3d GoalRows::middle(const std::vector<Attachment>& frames) const {
   return frames.empty() ? sum : Vec3d(sum / static_cast<double>(frames.size()));
 }
 
-// Takes from a row what the middle of frames changes by along an axis of the world.
+// Subtracts from a row the motion of the mean of frames along an axis of the world.
 void GoalRows::take_middle(const std::vector<Attachment>& frames, int axis, int row, Rows& rows) {
   if (!rows.with_jacobian) return;
   for (const Attachment& frame : frames) {
@@ -247,8 +246,7 @@ void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
   (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
 }
 
-// Rows and axes are the contact's. For 6D, the rows of position and of rotation are separate; they vanish where log6
-// does.
+// Rows and axes are the contact's. For 6D, position and rotation have separate rows that vanish where log6 does.
 void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
   const Contact& contact = scene_.contacts[goal.contact];
   const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();

@@ -1,5 +1,5 @@
 #pragma once
-// Errors and Jacobian of goals (analysis/place.hpp), both times the root of each goal's weight.
+// Errors and Jacobian of goals (analysis/place.hpp), both scaled by the square root of each goal's weight.
 
 #include <Eigen/SparseCore>
 #include <map>
@@ -15,11 +15,10 @@ class GoalRows {
  public:
   GoalRows(const Scene& scene, const std::vector<Goal>& goals);
 
-  /// e at q.
   Eigen::VectorXd errors(const Eigen::VectorXd& q);
-  /// J there, rows x nv, of one pattern wherever it is; after errors at this q.
+  /// J at the q of the last call of errors, rows x nv. Its pattern is the same for all q.
   Eigen::SparseMatrix<double> jacobian();
-  /// The remaining error of each goal, without weights; call it after `errors` at this q.
+  /// The remaining error of each goal, without weights, at the q of the last call of errors.
   const std::vector<GoalLeft>& left() const { return left_; }
 
  private:
@@ -37,7 +36,7 @@ class GoalRows {
   const Scene& scene_;
   const std::vector<Goal>& goals_;
   Eigen::VectorXd q_;
-  std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // one entry per robot, null for robots without goals
+  std::vector<std::unique_ptr<Kinematics<double>>> kin_;  // one entry per robot; null for robots without goals
   std::map<int, RigidBodyData> of_bodies_;                // used for centres of mass; key: robot, -1: the whole scene
   std::vector<double> e_;
   std::vector<Eigen::Triplet<double>> J_;

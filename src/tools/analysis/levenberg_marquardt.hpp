@@ -4,9 +4,8 @@
 
 namespace manycontact::internal {
 
-/// Parameters of Levenberg and Marquardt's method. If a step does not reduce |e|, it is repeated with ten times the
-/// damping, within `least` and `most`. After a step that does, the damping is a tenth. `floor` is the damping below
-/// `least`: 0 or `least`.
+/// Levenberg-Marquardt parameters. A failed step is repeated with ten times the damping, within `least` and `most`; a
+/// successful one divides it by ten. Below `least` it is `floor`, which is 0 or `least`.
 struct Damping {
   double floor = 0, least = 0, most = 0;
 };
@@ -16,11 +15,10 @@ struct Descent {
   int tries = 0;
 };
 
-constexpr double kProgress = 1e-10;  // relative to |e|: a smaller decrease is no progress
+constexpr double kProgress = 1e-10;  // relative to |e|: smaller decreases are no progress
 
-/// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` fills dq, or returns false if there is
-/// no step. `move(q, dq)` returns the next q. `ends(q, e)` returns whether e is small enough, or the rest of it is left
-/// to others.
+/// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` computes dq, or returns false if there
+/// is none. `move(q, dq)` returns the next q. `ends(q, e)` returns whether to stop.
 template <class Errors, class Step, class Move, class Ends>
 Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::VectorXd& q, Errors&& errors, Step&& step,
                             Move&& move, Ends&& ends) {
@@ -43,11 +41,11 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-constexpr double kAside = 1e-3;  // m, rad: smaller steps do not change a configuration noticeably
-constexpr double kReach = 1;     // m, rad: the longest step from there, where J is nearly singular
+constexpr double kAside = 1e-3;  // m, rad: step aside; also the least relative decrease of |e| to continue
+constexpr double kReach = 1;     // m, rad: longest step of the search from there, where J is nearly singular
 
-/// descend(q), which ends where |e| is stationary: at a minimum, or at a saddle, as straight knees and elbows are. So
-/// it is called again from aside(q), near by, as long as that leaves less of e. size(q): |e|, 0 where nothing is left.
+/// Calls descend(q), which ends where |e| is stationary: a minimum, or a saddle such as straight knees. It is called
+/// again from aside(q), nearby, as long as that reduces e. size(q): |e|, or 0 if that counts as zero.
 template <class Descend, class Aside, class Size>
 void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& size) {
   descend(q);
@@ -57,7 +55,7 @@ void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& si
     descend(next);
     const double then = size(next);
     if (!(then < left)) break;
-    const bool same = then > (1 - kAside) * left;  // the same minimum, nearer
+    const bool same = then > (1 - kAside) * left;  // the same minimum, only closer
     left = then;
     q = next;
     if (same) break;

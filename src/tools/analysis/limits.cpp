@@ -13,8 +13,7 @@ std::string to_string(LimitKind quantity) {
 
 namespace {
 
-// Beyond by more than the rounding of a number written at the limit: of the limit, and of the range where that is
-// finite.
+// Whether x exceeds a limit by more than rounding errors, relative to the limit and to the range if that is finite.
 bool beyond(double x, double limit, double range) {
   return x > limit + 1e-9 * std::max(std::abs(limit), std::isfinite(range) ? range : 0);
 }

@@ -22,7 +22,7 @@ namespace {
 
 bool is_nothing(const Inertia<double>& Y) { return Y.m == 0 && Y.h.isZero(0) && Y.I.isZero(0); }
 
-// Neither masses nor moments nor armatures from joint i on.
+// Whether all inertias and armatures from joint i on are zero.
 bool nothing_below(const Model& model, int i) {
   for (int j = i; j < model.subtree_end[i]; ++j) {
     const Joint& joint = model.joints[j];
@@ -31,7 +31,7 @@ bool nothing_below(const Model& model, int i) {
   return true;
 }
 
-// The property that a body lacks if nothing resists the joint.
+// The property whose absence lets a joint move without resistance.
 std::string lacking(JointType type) {
   switch (type) {
     case JointType::kPrismatic:
@@ -49,7 +49,6 @@ std::string why_massless(const Model& model, int i) {
   return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
 }
 
-// Joints, ascending.
 std::set<int> massless_of(const Robot& robot, const ConstVectorRef& q) {
   const Model& model = *robot.model;
   std::set<int> joints;

@@ -17,21 +17,21 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostUnasked = 1e9;  // multiplications of one island
+constexpr double kMostUnasked = 1e9;  // most multiplications for one island
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// Whether an island's rows are judged: damping does not decide, it was solved, and is not too large.
+// Whether an island's rows are examined: it is undamped, solved, and not too large.
 bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
 }
-// The input of row_remainders, for all islands at once.
+// Computes the input of row_remainders for all islands at once.
 void complete_judged(const Scene& scene, const SceneData& data) {
   const auto& islands = data.report.islands;
   if (std::ranges::any_of(islands, [&](const IslandReport& r) { return judged(scene, r); })) complete(scene, data);
 }
 
-// The input of one island, after complete.
+// Computes the gap of one island, after complete.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
@@ -50,11 +50,11 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   return out;
 }
 
-// Changes a solution a, f to that without the rows: accelerations demanded of these rows make their forces zero.
+// Changes a solution a, f to that without the given rows, by prescribing accelerations for which their forces are zero.
 void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
                Eigen::VectorXd& f) {
   const auto m = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // responses of a and f to an acceleration of 1 demanded of each row
+  Eigen::MatrixXd X(a.size(), m), F(f.size(), m);  // responses of a and f to a unit acceleration of each row
   Eigen::VectorXd x;
   for (Eigen::Index k = 0; k < m; ++k) {
     (void)rest.least_motion(q, Eigen::VectorXd::Unit(f.size(), rows[k]), x);

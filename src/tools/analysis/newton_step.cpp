@@ -6,7 +6,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// How far x may go along p, and the coordinate that stops it; -1: none before `most`.
+// How far x may move along p, at most `most`, and the coordinate that stops it, or -1.
 double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Eigen::VectorXd& lower,
                     const Eigen::VectorXd& upper, double most, Eigen::Index& stopped) {
   stopped = -1;
@@ -20,7 +20,7 @@ double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Ei
 
 }  // namespace
 
-// z = (J^T J + mu 1)^-1 r = (r - J^T (J J^T + mu 1)^-1 J r) / mu, of the free coordinates.
+// z = (J^T J + mu 1)^-1 r = (r - J^T (J J^T + mu 1)^-1 J r) / mu in the free coordinates.
 void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, const Eigen::VectorXd& r,
                               Eigen::VectorXd& z) {
   z = r;
@@ -33,11 +33,11 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
     if (!free_[i]) z[i] = 0;
 }
 
-// H is the Hessian and g the gradient at x = 0. r = -(g + H x), so that the model decreases by (r - g)^T x / 2.
+// H is the Hessian and g the gradient at x = 0. With r = -(g + H x) the model decreases by (r - g)^T x / 2.
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr double kDifference = 1e-6;  // step of the differences [rad, m]; errors of the products are of the same size
-  constexpr double kSolved = 1e-3;      // relative to g: the iteration ends when the residual is this small
+  constexpr double kDifference = 1e-6;  // step of finite differences [rad, m]; errors of the products are as large
+  constexpr double kSolved = 1e-3;      // relative to g: the iteration ends below this residual
   const Eigen::Index n = J.cols();
   const Eigen::VectorXd g = gradient(Eigen::VectorXd::Zero(n));
   Eigen::VectorXd r = -g, z, p, Hp;

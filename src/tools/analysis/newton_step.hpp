@@ -1,6 +1,6 @@
 #pragma once
-// Newton's step for min |e(q)|^2 / 2 within limits. Gauss and Newton's Hessian J^T J lacks the curvature of the goals
-// themselves, sum e_i e_i'', and converges slowly where e stays large; here it is included.
+// Newton steps for min |e(q)|^2 / 2 within limits. The Gauss-Newton Hessian J^T J lacks the goals' curvature sum e_i
+// e_i'', and converges slowly where e remains large.
 
 #include <functional>
 
@@ -8,9 +8,9 @@
 
 namespace manycontact::internal {
 
-/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit. It
-/// takes products of the Hessian from differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that reaches
-/// its limit remains there for the rest of the step. A direction of negative curvature is followed up to a limit.
+/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit.
+/// Hessian products are differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that reaches its limit
+/// stays there; a direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
   /// gradient(dq) returns J^T e at q (+) dq.
@@ -18,7 +18,7 @@ class NewtonStep {
 
   explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// Fills x, lower <= x <= upper, both finite; returns by how much the quadratic model expects |e|^2 / 2 to fall.
+  /// Computes x within finite bounds; returns by how much the quadratic model expects |e|^2 / 2 to decrease.
   double solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

@@ -86,7 +86,7 @@ void check(const Scene& scene, const Goal& goal) {
   }
 }
 
-// Joints anywhere within their limits, floating bases as they are: those of robots that the search moves.
+// Random joint configurations within limits for the robots that the search moves; floating bases are unchanged.
 Eigen::VectorXd elsewhere(const Scene& scene, const internal::PlaceSearch& search, Eigen::VectorXd q,
                           std::mt19937& generator) {
   const Eigen::VectorXd random = random_configuration(scene, generator);

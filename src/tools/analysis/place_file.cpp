@@ -31,7 +31,7 @@ std::string owner(const ScenePose& pose) {
   return (pose.center_of_mass ? "the pose of the centre of mass of " : "the pose of ") + quote(pose.name);
 }
 
-// line: where the contacts are asked for.
+// Reports the goal with the largest error. line: where the contacts are required.
 [[noreturn]] void refuse(const std::vector<ScenePose>& poses, const std::vector<Goal>& goals, const PlacedScene& found,
                          const std::string& file, int line) {
   const std::vector<GoalLeft>& left = found.left;
@@ -49,7 +49,6 @@ std::string owner(const ScenePose& pose) {
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
 }
 
-// Robots with poses that would tip over at q.
 std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd& q,
                                        const std::vector<ScenePose>& poses, const std::vector<bool>& standing) {
   std::vector<internal::Leaning> out = internal::leaning(scene, standing, q);
@@ -59,11 +58,11 @@ std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd
   return out;
 }
 
-// Finds a configuration in which these robots do not tip over: nearest to q with their feet at the same distances, or
-// else near a q found by their balance alone. Returns none if the goals do not permit one.
+// Finds a configuration in which these robots do not tip over: near q with their feet at the same distances, otherwise
+// near a q found by their balance alone. Returns none if the goals do not permit one.
 std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd& q, std::vector<Goal> goals,
                                        const std::vector<internal::Leaning>& lean) {
-  constexpr double kLittle = 1e-3;  // a weight: knees that bend to lower a trunk by 0.1 m save more, by their curvature
+  constexpr double kLittle = 1e-3;  // weight; less could be gained by bending knees to lower a trunk by 0.1 m
   const auto add = [](std::vector<Goal>& to, std::vector<Goal> more) { to.insert(to.end(), more.begin(), more.end()); };
   for (const internal::Leaning& robot : lean) goals.push_back(internal::standing_goal(scene, robot));
   std::vector<Goal> as_before = goals;
@@ -77,7 +76,7 @@ std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd
 }
 
 // Finds from q a configuration that meets the poses and closes the contacts. If robots lean there and the poses allow
-// it, finds one in which they stand upright. standing: the contacts that carry robots.
+// it, one in which they are upright. standing: flags of the contacts that support robots.
 Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::vector<ScenePose>& poses,
                        const std::vector<bool>& closed, const std::vector<bool>& standing, int restarts,
                        const std::string& file, int line) {
@@ -120,7 +119,7 @@ void place(SceneFile& file) {
 
 void place_references(TaskFile& task) {
   const SceneFile& file = task.scene;
-  // Contacts that are where the scene has them: from the start on, or by a phase that closes them there.
+  // Contacts that are placed by the scene: from the start on, or by a phase that closes them there.
   std::vector<bool> held(file.scene.contacts.size(), true), before = held;
   const auto find = [&](TaskPhase& phase) {
     for (std::size_t c = 0; c < held.size(); ++c) {

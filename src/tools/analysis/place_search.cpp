@@ -36,7 +36,7 @@ void CoordinateLimits::of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, E
     if (moved_by[i] >= 0) low[moved_by[i]] = lower[i] - q[i], high[moved_by[i]] = upper[i] - q[i];
 }
 
-// Rounding of places as far away as q is counts as nothing.
+// Rounding errors of positions as large as q count as zero.
 bool PlaceSearch::exact(const Eigen::VectorXd& q, const Eigen::VectorXd& e) const {
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * (q.size() ? 1 + q.cwiseAbs().maxCoeff() : 1);
   return e.size() == 0 || e.cwiseAbs().maxCoeff() <= std::max(options_.tolerance, rounding);
@@ -76,10 +76,10 @@ void PlaceSearch::descend(Eigen::VectorXd& q, int most_tries) {
   tries_ += newton(q, most_tries - tries_);
 }
 
-// Until it converges, or no faster than by a tenth a step, kSlow steps in a row.
+// Ends on convergence, or when kSlow steps in a row reduce |e| by less than kLeastGain.
 int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
   constexpr double kLeastGain = 0.1;
-  constexpr int kSlow = 3;  // limits that are met on the way make one or two steps short
+  constexpr int kSlow = 3;  // limits that are met on the way shorten one or two steps
   double last = kInfinity;
   int slow = 0;
   return levenberg_marquardt(
@@ -100,9 +100,9 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
       .tries;
 }
 
-// Makes Newton steps within a box (trust region) that has the same size in radians and metres.
+// Takes Newton steps within a box (trust region) of equal size in radians and metres.
 int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
-  constexpr double kPoor = 0.25, kGood = 0.75;  // actual per expected decrease: below, the box shrinks; above, it grows
+  constexpr double kPoor = 0.25, kGood = 0.75;  // actual / expected decrease: below it shrinks, above it grows
   int tries = 0;
   double radius = 1;
   Eigen::VectorXd e = rows_.errors(q), dq;
@@ -130,7 +130,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
   return tries;
 }
 
-// Moves the coordinates that goals depend on by a millimetre or a milliradian, away from their limits.
+// Moves the coordinates that goals depend on by kAside, away from their limits.
 Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
   look_at(q);
   reach_ = kReach;

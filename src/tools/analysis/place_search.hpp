@@ -1,5 +1,4 @@
 #pragma once
-// The search of place() (analysis/place.hpp), from one q.
 
 #include <limits>
 #include <optional>
@@ -10,12 +9,11 @@
 
 namespace manycontact::internal {
 
-/// Limits of the coordinates: of q, infinite where there are none; and for steps the coordinate of v that moves it
-/// alone.
+/// Limits of the coordinates of q, infinite if there are none, and the coordinate of v that moves each of them alone.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  /// The result of a step from q.
+  /// Computes the limits of a step from q.
   void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
 
   Eigen::VectorXd lower, upper;
@@ -28,12 +26,12 @@ class PlaceSearch {
   PlaceSearch(const Scene& scene, const std::vector<Goal>& goals, const PlaceOptions& options)
       : scene_(scene), options_(options), limits_(scene), rows_(scene, goals) {}
 
-  /// Moves q to a least |e| near it, which it returns; 0 where every goal is met.
+  /// Moves q to a local minimum of |e|; returns |e| there, or 0 if every goal is met.
   double run(Eigen::VectorXd& q);
   bool met(double left) const { return left == 0; }
-  /// Steps tried, in all.
+  /// Number of steps tried in all runs.
   int tries() const { return tries_; }
-  /// Whether the last run ended for lack of steps.
+  /// Whether the last run ended because it ran out of steps.
   bool out_of_steps() const { return out_of_steps_; }
   /// Whether a goal depends on a robot's coordinates. After a run.
   bool moves(int robot) const;
@@ -56,7 +54,7 @@ class PlaceSearch {
   bool out_of_steps_ = false;
   double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // of_: the q at which J_ was computed; low_, high_: bounds of a step from it
+  Eigen::VectorXd of_, low_, high_;  // q of J_; bounds of a step from it
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kRankProbes = 2;
 constexpr double kNoChange = 1e-8;   // relative to the terms of B(z, y): smaller values are rounding errors
-constexpr int kFactors = 3;          // the number of factors of B(z, y), each of which an error of J may change
+constexpr int kFactors = 3;          // number of factors of B(z, y), each of which an error of J may change
 constexpr double kNoMotion = 1e-9;   // relative to the projected vector: smaller projections count as no motion
-constexpr double kMostLooked = 1e5;  // contacts times coordinates; the coordinate is not searched for in larger islands
+constexpr double kMostLooked = 1e5;  // contacts times coordinates: in larger islands the coordinate is not searched for
 
-// The data of one probe, for all islands at once.
+// Test vectors for all islands at once: n in the null space of J^T, z an allowed motion, y any motion.
 class Probe {
  public:
   Probe(const Scene& scene, const SceneData& data, const Eigen::VectorXd& q, internal::AtRest& rest, int number)
@@ -49,8 +49,8 @@ class Probe {
     }
     return out;
   }
-  // The coordinate of each of the islands that adds most to n^T dJ[z] z in a singular configuration, elsewhere the one
-  // of the largest entry of n^T dJ[z]. One pass per coordinate index for all islands: they are independent.
+  // For each of the islands, the coordinate that contributes most to n^T dJ[z] z in a singular configuration, otherwise
+  // that of the largest entry of n^T dJ[z]. One pass per coordinate serves all islands, which are independent.
   std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;
@@ -102,7 +102,7 @@ class Probe {
   const SceneData& data_;
   const Eigen::VectorXd& q_;
   internal::AtRest& rest_;
-  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;  // dJ[z] z; J' v of z + y, of z - y; sizes; of n
+  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;  // zz_: dJ[z] z; plus_, minus_: J' v of z + y, z - y
 };
 
 }  // namespace

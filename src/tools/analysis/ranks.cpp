@@ -17,11 +17,10 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostWork = 3e9;    // multiplications of one dense rank: a second or two
-constexpr int kMostThresholds = 4;   // tries of the remainder from which on rows count
-constexpr double kSamePoint = 1e-9;  // relative to the extent of the points [m]
+constexpr double kMostWork = 3e9;    // most multiplications of one dense rank: a second or two
+constexpr int kMostThresholds = 4;   // most trial values of RowRemainders::dependent
+constexpr double kSamePoint = 1e-9;  // relative to the extent of the points
 
-// The island under examination.
 struct Examined {
   const Scene& scene;
   const SceneData& data;
@@ -30,7 +29,7 @@ struct Examined {
 
   const Contact& contact(int position) const { return scene.contacts[island.contacts[position]]; }
   const ContactData<double>& numbers(int position) const { return contact_data(data, island.contacts[position]); }
-  /// Positions of all contacts; empty where the island is too deep for rows in joint space.
+  /// Positions of all contacts; empty if the island is too deep for rows in joint space.
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
     std::iota(out.begin(), out.end(), 0);
@@ -40,8 +39,8 @@ struct Examined {
   }
 };
 
-// Returns J^T of some contacts of an island, with only the columns they act on, each row of J relative to its size.
-// Remainders up to tolerance::kRank count as zero.
+// Returns J^T of some contacts of an island, restricted to the columns they act on, with each row of J relative to its
+// size. Remainders up to tolerance::kRank count as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // key: column of the island; value: column of the result
   int rows = 0;
@@ -65,8 +64,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   return Jt;
 }
 
-// The norm of each column of J^T after projection on the complement of those before it that are above `dependent`.
-// Gram-Schmidt, twice.
+// The norm of each column of J^T orthogonal to the earlier ones above `dependent`, by two passes of Gram-Schmidt.
 std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
@@ -81,13 +79,13 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   return left;
 }
 
-// Whether an island's solver has found its rank: that is the one which its accelerations and forces are of.
+// Whether the solve determined the rank of an island, to which its accelerations and forces belong.
 bool has_rank(const Scene& scene, const IslandReport& report) {
   return scene.damping == 0 && report.status != Status::kFailed;
 }
 
-// Remainders of an island's rows. The solver judges other numbers (pivots of K, or rows within the scene's tolerance),
-// and may keep a row below tolerance::kRank, or drop one above. `dependent` is where as many rows count as it found.
+// Remainders of an island's rows. The solver tests other numbers (pivots of K, rows within a tolerance) and may keep a
+// row below tolerance::kRank or drop one above: `dependent` yields as many rows as the solver kept.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
   internal::RowRemainders out;
   out.left = remainders_of(Jt, out.dependent);
@@ -107,14 +105,14 @@ internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& re
   return out;
 }
 
-// least: the least remainder of a row that counts.
+// The number of diagonal entries of a pivoted QR above `least`.
 int rank_of(const Eigen::MatrixXd& Jt, double least) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
 
-// Positions in the island of the contacts between each two bodies.
+// Positions in the island of the contacts between each pair of bodies.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
   std::map<std::pair<Body, Body>, std::vector<int>> sorted;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -125,7 +123,7 @@ std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& sc
   return sorted;
 }
 
-// The points on body A, one per contact; empty when some contact has its frame A on the other body.
+// The points on body A, one per contact; empty if a contact has its frame A on the other body.
 std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   std::vector<Vec3<double>> points;
   for (int c : pair.contacts) {
@@ -135,7 +133,7 @@ std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   return points;
 }
 
-// 0: one point, 1: on a line, 2: neither.
+// 0: the points coincide, 1: they are on a line, 2: neither.
 int spread(const std::vector<Vec3<double>>& points) {
   Vec3<double> direction = Vec3<double>::Zero();
   for (const Vec3<double>& p : points)
@@ -192,8 +190,7 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// The lightest type at the contact's own frame that has its rank: rows k, or x and z, or the first three. least: what
-// has to be left of a row that counts.
+// The lightest type at the contact's frame with the same rank. least: least remainder of an independent row.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };
@@ -207,7 +204,7 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   return "";
 }
 
-// Name of a contact of which only some rows are kept.
+// The name of a contact of which only some rows are kept.
 std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   std::vector<std::string> names;
   for (int r : rows) names.push_back(row_name(contact, r));
@@ -219,15 +216,14 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   return text::join(names);
 }
 
-// Whether only rows between the same two bodies depend on each other: these are geometry, and the solver has named them
-// without a judgement of pivots.
+// Whether only rows between the same two bodies are dependent: geometry, which the solver found without testing pivots.
 bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
   const SceneData& solved = data_solved(data);
   const IslandReport& report = solved.report.islands[number];
   return &solved != &data && report.status <= Status::kRedundant && report.rank == report.nc;
 }
 
-// Sets known, rank and redundant. Returns the remainder above which rows count.
+// Sets known, rank and redundant. Returns the remainder above which rows are independent.
 double rank_all(const Examined& x, std::size_t number, const std::vector<int>& all, IslandRanks& out) {
   const IslandReport& report = x.data.report.islands[number];
   if (depends_in_pairs_alone(x.data, number)) {

@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-/// The part of N that belongs to an island: its rows of f, and a basis with as many rows.
+/// The part of N that belongs to an island: its rows of f, and a basis restricted to them.
 struct IslandBasis {
   std::vector<int> rows;
   Eigen::MatrixXd N;
@@ -33,8 +33,8 @@ void project_column(internal::AtRest& rest, const ConstVectorRef& q, int k, std:
     if (k < basis.N.cols()) basis.N.col(k) = w(basis.rows);
 }
 
-/// Collects every island with redundant rows. Mixed vectors are projected and orthonormalised. The second pass removes
-/// rounding errors that the first orthonormalisation amplified.
+/// Computes bases of all islands with redundant rows from projected and orthonormalised mixed vectors. The second pass
+/// removes rounding errors that the first orthonormalisation amplified.
 std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, const SceneData& data) {
   std::vector<IslandBasis> bases;
   int most = 0;
@@ -48,7 +48,7 @@ std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, c
     most = std::max(most, n);
   }
   if (bases.empty()) return bases;
-  Scene in_newtons = scene;  // a moment counts as a force: the projection is on the null space itself
+  Scene in_newtons = scene;  // so that the projection is on the null space itself
   in_newtons.moment_length = 1;
   internal::AtRest rest(in_newtons, internal::active_of(data), data.options);
   for (int pass = 0; pass < 2; ++pass) {
@@ -63,7 +63,7 @@ void expect_solved(const char* function, const Scene& scene, const ConstVectorRe
   expect_configuration(function, "q", q, scene);
 }
 
-/// x, or n times `otherwise` where it is empty.
+/// Returns x, or n times `otherwise` if x is empty.
 Eigen::VectorXd given(const char* name, const Eigen::VectorXd& x, Eigen::Index n, double otherwise) {
   if (x.size() == 0) return Eigen::VectorXd::Constant(n, otherwise);
   if (x.size() != n)

@@ -6,7 +6,7 @@ namespace {
 
 struct Remedy {
   Status status;
-  Reason reason;  // kNone: any other
+  Reason reason;  // kNone: any reason
   const char* text;
 };
 

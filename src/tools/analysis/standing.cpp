@@ -35,7 +35,7 @@ std::vector<Point> hull(std::vector<Point> points) {
   return out;
 }
 
-// How far c is outside of the polygon.
+// The distance of c from the polygon if it is outside, otherwise 0.
 double outside(const Point& c, const std::vector<Point>& polygon) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = polygon.size() > 2;
@@ -50,17 +50,17 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
   return inside ? 0 : nearest;
 }
 
-// The support of a robot.
+// Contacts of a robot with the ground.
 struct Ground {
-  bool told = true;    // no other contact supports the robot
-  bool soles = false;  // a contact transmits moments over an area that is not given
+  bool told = true;    // whether no other contact or spring supports the robot
+  bool soles = false;  // whether a contact transmits moments over an unknown area
   std::vector<Attachment> feet;
   std::vector<Point> corners;
   double height = 0;  // mean height of the feet
 };
 
 void stand_on(const Contact& contact, const SE3<double>& A, Ground& ground) {
-  constexpr double kUpright = 0.7;  // smallest z of a supporting normal: others press walls
+  constexpr double kUpright = 0.7;  // least z of a supporting normal; others press against walls
   const Mat3<double> B = contact.B.placement.R;
   if (contact_normal(contact, A.R, B)[2] < kUpright) ground.told = false;
   ground.feet.push_back(contact.A);
@@ -96,7 +96,7 @@ std::vector<Ground> grounds(const Scene& scene, const std::vector<bool>& active,
 }  // namespace
 
 std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q) {
-  constexpr double kSole = 0.13;  // half a foot of people, of their centre of mass's height
+  constexpr double kSole = 0.13;  // half the length of a human foot, relative to the height of the centre of mass
   std::vector<Leaning> out;
   if (!(scene.gravity[2] < 0 && scene.gravity.head<2>().isZero(0))) return out;
   const std::vector<Ground> on = grounds(scene, active, q);

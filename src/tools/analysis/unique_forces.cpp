@@ -11,7 +11,7 @@ namespace manycontact {
 namespace {
 
 constexpr int kNullProbes = 2;    // a component vanishes in both projections by accident in one case of 1e18
-constexpr double kNoPart = 1e-9;  // relative to the largest component of a projection: smaller ones are rounding errors
+constexpr double kNoPart = 1e-9;  // relative to the largest component of a projection: smaller ones are zero
 
 }  // namespace
 

@@ -23,7 +23,6 @@ namespace {
 
 constexpr double kRoundingOfForces = 1e-9;  // relative to the largest force on a contact's robots and their loads
 
-// A contact's axes in the world.
 class AxesOf {
  public:
   AxesOf(const Scene& scene, const ConstVectorRef& q) : scene_(scene), kin_(scene, q) {}
@@ -37,10 +36,10 @@ class AxesOf {
   internal::MotionOf kin_;
 };
 
-// The normal and the tangential force of a contact with a mu.
+// The forces of a contact with friction coefficient.
 struct Pressure {
-  double normal = 0, tangential = 0;            // N
-  Vec6<double> in_foot = Vec6<double>::Zero();  // 6D contacts only: force and moment in A's axes
+  double normal = 0, tangential = 0;
+  Vec6<double> in_foot = Vec6<double>::Zero();  // 6D contacts: force and moment in A's axes
 };
 
 Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
@@ -57,8 +56,7 @@ Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
   return out;
 }
 
-// Computes by how much m_z exceeds the friction at the corners of a box with half sides X, Y: tau_min <= m_z <= tau_max
-// with
+// The excess of m_z over the friction at the corners of a box with half sides X, Y: tau_min <= m_z <= tau_max with
 //   tau_min = -mu (X + Y) n + |Y f_x - mu m_x| + |X f_y - mu m_y|
 //   tau_max =  mu (X + Y) n - |Y f_x + mu m_x| - |X f_y + mu m_y|
 double excess_torque(const double* f, double mu, double X, double Y) {
@@ -68,7 +66,7 @@ double excess_torque(const double* f, double mu, double X, double Y) {
   return std::max(low - f[5], f[5] - high);
 }
 
-// Returns per robot the largest entry of its contacts' forces, or its load if that is larger: its scale of rounding.
+// Returns per robot the largest linear contact force, or its load if that is larger: the scale of rounding errors.
 std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset,
                                    const Eigen::VectorXd& loads) {
   std::vector<double> largest(loads.begin(), loads.end());

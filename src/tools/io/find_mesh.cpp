@@ -14,7 +14,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
-// Folders that packages may lie in.
+// Folders that may contain packages.
 std::vector<fs::path> package_folders(const std::string& urdf) {
   std::vector<fs::path> folders;
   std::error_code error;

@@ -5,7 +5,7 @@
 namespace manycontact {
 namespace {
 
-// The one place that words it. Control characters from names in the input would break the line.
+// Control characters from names in the input would break the line.
 std::string one_line(const std::string& file, int line, const std::string& message) {
   std::string text = file + ":" + std::to_string(line) + ": " + message;
   for (char& c : text)

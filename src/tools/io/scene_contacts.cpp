@@ -6,10 +6,10 @@
 namespace manycontact::io {
 namespace {
 
-/// A <contact> element as written; `contact` has the data that all its copies share.
+/// A <contact> element; `contact` contains the data that all its copies share.
 struct ContactElement {
   Contact contact;
-  SE3<double> A_offset, B_offset;  // B_offset: in the world without `to`
+  SE3<double> A_offset, B_offset;  // B_offset is in the world if there is no `to`
   EndPair ends;
   bool position_given = false, orientation_given = false;
 };
@@ -56,7 +56,6 @@ class ContactReader {
       e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d or 5d only");
   }
 
-  // B': on another body, or in the world.
   void read_target(const Element& e, ContactElement& c) {
     const bool to_robot = c.ends.to_robot;
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
@@ -82,7 +81,7 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
       contact.B = c.ends.B.on(target, c.B_offset);
-    else if (contact.normal)  // the world's normal is rotated as the copy is
+    else if (contact.normal)  // the world's normal rotates with the copy
       contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
@@ -96,7 +95,7 @@ class ContactReader {
   SceneFile& out_;
   ReferenceResolver references_;
   EndReader ends_;
-  std::unordered_map<std::string, Where> names_;  // places of <contact> elements, by name
+  std::unordered_map<std::string, Where> names_;  // key: name of <contact>
 };
 
 }  // namespace

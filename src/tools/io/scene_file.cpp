@@ -23,7 +23,7 @@ bool consistent(const Element& root) { return root.flag("consistent", false); }
 
 int restarts(const Element& root) { return root.has("restarts") ? root.count("restarts", 0, 1000000) : 0; }
 
-// Reads a scene file and those it includes, each in the place of its <include>.
+// Reads a scene file and the files it includes, each in place of its <include>.
 class IncludeReader {
  public:
   explicit IncludeReader(SceneElements& out) : out_(out) {}
@@ -33,7 +33,7 @@ class IncludeReader {
     const Element root = out_.files.back()->root();
     root.allow({"name", "gravity", "damping", "tolerance", "moment_length", "consistent", "restarts"},
                {"robot", "contact", "wrench", "push", "spring", "pose", "include"});
-    for (const char* name : {"damping", "tolerance"}) (void)root.number_from_0(name, 0);  // or refused
+    for (const char* name : {"damping", "tolerance"}) (void)root.number_from_0(name, 0);  // refuses invalid numbers
     (void)root.positive("moment_length", 1, "a length");
     (void)consistent(root);
     (void)restarts(root);
@@ -80,7 +80,7 @@ class IncludeReader {
     const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
-    // values for the whole scene in an included file must be those of the including one
+    // settings of the whole scene in an included file must equal those of the including one
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity differs from that of the including scene, expected the same");
     for (const char* name : {"damping", "tolerance", "moment_length"})
@@ -135,7 +135,7 @@ SceneFile scene_of(const std::string& bytes, const std::string& path) {
 SceneFile read_scene(const std::string& path) { return io::scene_of(io::read_file_of(path, "a scene file"), path); }
 
 SceneFile read_scene_text(const std::string& text, const std::string& path) {
-  constexpr const char* kUtf8Mark = "\xEF\xBB\xBF";  // goes before a declaration of another encoding
+  constexpr const char* kUtf8Mark = "\xEF\xBB\xBF";  // takes precedence over a declaration of another encoding
   return io::scene_of(text.starts_with(kUtf8Mark) ? text : kUtf8Mark + text, path);
 }
 

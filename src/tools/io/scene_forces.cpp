@@ -1,5 +1,3 @@
-// `<wrench>`, `<spring>`, and springs of `<joint>` elements.
-
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "scene_parts.hpp"
 
@@ -18,7 +16,7 @@ SE3<double> offset(const Element& e, const char* attribute) {
   return at;
 }
 
-// Returns the name in the file, with a number if each copy has one. If there is none, the name of the attached frame.
+// Returns the name in the file, numbered if each copy has one, or `otherwise` if there is none.
 std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
   if (!e.has("name")) return otherwise;
   const std::string name = e.not_empty("name");
@@ -84,7 +82,7 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
 }
 
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
-  for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups: one per element
+  for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups has one entry per element
     const RobotGroup& group = out.robot_groups[g];
     for (const Element& joint : robots[g].children("joint")) {
       if (joint.has("rest") && !joint.has("stiffness"))

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostCopies = 1000000;
 
-// The <joint> or <lock> children by the joint they name, each joint once.
+// The <joint> or <lock> children by joint name; each joint may occur once.
 std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
   std::map<std::string, Element> out;
   for (const Element& e : robot.children(child)) {
@@ -91,10 +91,10 @@ RobotElement read_robot(const Element& e) {
   return robot;
 }
 
-// Models by file and options, so that equal robots share one.
+// Models by file and options: equal robots share one.
 class ModelCache {
  public:
-  // findings: grows by what reading the file found odd, once for all that share the model.
+  // Returns the robot's model. Findings are added once for all robots that share a model.
   std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings) {
     const UrdfOptions& o = robot.options;
     std::error_code failed;
@@ -126,13 +126,11 @@ class ModelCache {
   std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: path
 };
 
-// Placement of copy i of n: `arrange` and `spacing`.
 struct Arrangement {
   int kind = 0;  // line, circle, grid
   double spacing = 1;
   int count = 1;
 
-  // Translation and yaw of copy i.
   void place(int i, Vec3<double>& translation, double& yaw) const {
     yaw = 0;
     if (kind == 0) {
@@ -157,7 +155,7 @@ Arrangement read_arrangement(const Element& e, int count) {
   return out;
 }
 
-// q of a floating base, moved by a translation and a yaw.
+// Moves q of a floating base by a translation and a yaw.
 void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) {
   if (yaw != 0) {
     const double s = std::sin(yaw / 2), c = std::cos(yaw / 2);
@@ -168,7 +166,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   q.head<3>() += translation;
 }
 
-// The scene's q, v, u while it grows.
+// q, v, u of the scene while robots are added.
 struct Growing {
   std::vector<double> q, v, u;
   static void append(std::vector<double>& to, const Eigen::VectorXd& x) {
@@ -214,14 +212,14 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
   }
 }
 
-// Whether the end `name` of a contact could also mean a neighbour: "herd-1" if there are copies of herd.
+// Whether a robot's name could also mean a neighbour among copies: "herd-1" if there are copies of herd.
 bool is_neighbour(const std::string& name, const std::set<std::string>& copied) {
   const std::size_t sign = name.rfind('-');
   return sign != std::string::npos && sign + 1 < name.size() &&
          name.find_first_not_of("0123456789", sign + 1) == std::string::npos && copied.count(name.substr(0, sign)) > 0;
 }
 
-// A name means one robot, or the copies of one.
+// Checks that each name means one robot, or the copies of one.
 void check_names(const SceneFile& file, const std::unordered_map<std::string, Where>& names) {
   std::set<std::string> copied;
   for (const RobotGroup& group : file.robot_groups)
@@ -251,7 +249,7 @@ void add_name(const Element& e, const std::string& what, const std::string& name
 void add_robots(const std::vector<Element>& elements, SceneFile& out) {
   ModelCache models;
   Growing all;
-  std::unordered_map<std::string, Where> names;  // places of <robot> elements, by the name in the file
+  std::unordered_map<std::string, Where> names;  // key: name of <robot>
   for (const Element& e : elements) {
     RobotElement robot = read_robot(e);
     add_name(e, "a robot", robot.group.name, names);

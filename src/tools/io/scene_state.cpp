@@ -34,7 +34,7 @@ SE3<double> read_base(const Element& robot) {
 
 namespace {
 
-// A quantity of the state: its letter, how many numbers a joint has of it, where a joint's begin.
+// A part of the state: its letter, the number of values per joint, and the index of a joint's first value.
 struct Quantity {
   const char* letter;
   int (*count)(const Joint&);
@@ -75,7 +75,7 @@ class StateReader {
     element.where("name").fail(no_joint(model_, name));
   }
 
-  // Fills x from <q> or the joints' q=. True when that includes a floating base's.
+  // Fills x from <q> or the joints' q=; returns whether that includes a floating base.
   bool read_quantity(const Quantity& what, Eigen::VectorXd& x) {
     const bool floating = model_.floating_base;
     const auto whole = robot_.element.child(what.letter);
@@ -106,7 +106,7 @@ class StateReader {
     return base_given;
   }
 
-  // The quaternions of floating joints, wherever they came from.
+  // Normalises the quaternions of floating joints.
   void normalise(Eigen::VectorXd& q) const {
     for (const Joint& j : model_.joints) {
       if (j.type != JointType::kFloating) continue;

@@ -8,7 +8,7 @@ namespace manycontact::io {
 
 namespace {
 
-// n numbers, of which some may be "inf" or "-inf"; all `otherwise` when the attribute is missing.
+// Reads n numbers, which may be "inf" or "-inf"; all are `otherwise` if the attribute is missing.
 Eigen::VectorXd read_bound(const Element& e, const char* attribute, int n, double otherwise) {
   if (!e.has(attribute)) return Eigen::VectorXd::Constant(n, otherwise);
   const std::string text = e.required(attribute);

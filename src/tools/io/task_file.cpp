@@ -24,10 +24,10 @@ namespace {
 
 constexpr int kMostNodes = 1000000;
 
-// <push> is an alias.
+// <push> is an alias of <wrench>.
 bool is_wrench(const Element& e) { return e.name() == "wrench" || e.name() == "push"; }
 
-// <cost> and <constraint> children of a phase; names are used once in each phase.
+// Reads <cost> and <constraint> children; names must be unique in each phase.
 void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
   std::map<std::string, int> names;
   for (const Element& child : e.children()) {
@@ -41,7 +41,7 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
   }
 }
 
-// Returns the external wrenches of that name: one, or those of all copies.
+// Returns the external wrenches with a name: one, or those of all copies.
 std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
   if (const auto found = scene.wrench_index.find(name); found != scene.wrench_index.end()) return {found->second};
   std::vector<int> out;
@@ -52,7 +52,7 @@ std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
   }
 }
 
-// Reads `<wrench>` children: other external wrenches in these nodes.
+// Reads `<wrench>` children, which change external wrenches in this phase.
 void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   for (const ExternalWrench& push : scene.wrenches) phase.wrenches.push_back(push.wrench);
   for (const Element& child : e.children()) {
@@ -75,7 +75,7 @@ void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   }
 }
 
-// An impact is that of contacts which close: open in the phase before, null for the first.
+// Reads whether contacts close with an impact; they must be open in the phase before, which is null for the first.
 void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
   phase.impact = e.flag("impact", false);
   if (!phase.impact) return;
@@ -117,7 +117,7 @@ void read_solver(const Element& e, TaskFile& out) {
   out.guess = static_cast<TaskGuess>(e.choice("guess", {"quasi_static", "zero"}, 0));
 }
 
-// Returns the child of that name, if there is one. A second one is an error.
+// Returns the only child with that name, if any; a second one is an error.
 std::optional<Element> only_child(const Element& e, const char* name) {
   const std::vector<Element> all = e.children(name);
   if (all.size() > 1)

@@ -11,9 +11,9 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// Reads a term of a phase with these contacts active. terminal: whether it belongs to the terminal node.
+  /// Reads a term of a phase with these active contacts. terminal: whether it belongs to the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
-  /// Indices of the scene's contacts that a name means: one, or all copies.
+  /// Indices of the scene's contacts with a name: one, or all copies.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;
 
  private:
@@ -28,12 +28,12 @@ class TermReader {
   EndReader ends_;
 };
 
-/// Refuses attributes that belong to other residuals.
+/// Refuses attributes of other residuals.
 void check_attributes(const Element& e, TaskResidual residual);
 
-/// Whether an attribute belongs to a residual, such as `frame` or `contact`.
+/// Whether an attribute, such as `frame` or `contact`, belongs to a residual.
 bool takes(TaskResidual residual, const char* attribute);
-/// The rows of a residual; 0 where they are those of the robot or the contact.
+/// The number of rows of a residual; 0 if it depends on the robot or the contact.
 int fixed_rows(TaskResidual residual);
 TaskResidual read_residual(const Element& e);
 void read_activation(const Element& e, TaskTerm& term);

@@ -12,9 +12,9 @@ namespace {
 
 struct Kind {
   const char* name;
-  const char* alias;  // the name of the class in module action in lower case, if different; or null
-  bool of_state;      // depends on neither controls nor accelerations nor forces
-  int rows;           // 0: those of the robot or the contact
+  const char* alias;  // lower-case name of the class in module action, if different; or null
+  bool of_state;      // whether it depends only on the state, not on controls, accelerations or forces
+  int rows;           // number of rows; 0: as many as the robot or the contact has
   std::vector<const char*> attributes;
 };
 

@@ -36,7 +36,7 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   return term;
 }
 
-// The frame of a residual of frames, else the robot, if there is one.
+// Reads the frame of a frame residual, otherwise the robot if there is one.
 void TermReader::read_subject(const Element& e, TaskTerm& term) {
   const bool of_frame = takes(term.residual, "frame");
   const char* attribute = of_frame ? "frame" : "robot";

@@ -10,27 +10,27 @@
 
 namespace manycontact::io {
 
-/// A place in a file, to blame. `file` outlives it.
+/// A position in a file for error messages. `file` must outlive it.
 struct Where {
   const std::string* file;
   int line;
   [[noreturn]] void fail(const std::string& message) const { throw InputError(*file, line, message); }
 };
 
-/// The whole file; on failure fills `problem` with the reason and returns an empty string.
+/// Reads a whole file; on failure returns "" and fills `problem` with the reason.
 std::string read_file(const std::string& path, std::string& problem);
 
-/// The same. On failure it throws InputError, which says that `what` was expected.
+/// Reads a whole file; on failure throws InputError, which reports that `what` was expected.
 std::string read_file_of(const std::string& path, const std::string& what);
 
-/// Returns why `path` cannot be opened for reading, or nothing if it can. With only_regular, devices and pipes are
-/// refused, because paths in files must not name something that may not end.
+/// Returns why `path` cannot be opened for reading, or "". With only_regular, devices and pipes are refused: paths in
+/// files must not name something without an end.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
-/// Decodes the bytes of the file `path` as its byte order mark or declaration specifies: UTF-8 (the default), UTF-16,
-/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Line breaks remain where they were. Throws InputError, with the
-/// line, for other encodings, invalid bytes, and references such as &#0; or &#xD800; that name no character of XML.
-/// Comments may contain any bytes and are not decoded.
+/// Decodes the bytes of the file `path` according to its byte order mark or declaration: UTF-8 (the default), UTF-16,
+/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Line breaks are kept. Throws InputError, with the line, for other
+/// encodings, invalid bytes, and references such as &#0; or &#xD800; to no XML character. Comments are not decoded and
+/// may contain any bytes.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
 /// The shortest decimal that reads back as x.
@@ -39,16 +39,16 @@ std::string show(double x);
 /// Splits at white space.
 std::vector<std::string_view> words(std::string_view text);
 
-/// One finite number. `what` names it in messages.
+/// Parses one finite number. `what` names it in messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);
-/// One number, or an infinity as "inf", "-Infinity" or a number beyond 1.8e308.
+/// Parses one number; "inf", "-Infinity" and numbers beyond 1.8e308 are infinite.
 double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text);
-/// Any count of finite numbers, separated by white space.
+/// Parses any count of finite numbers, separated by white space.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text);
-/// Exactly `count` of them.
+/// Parses exactly `count` finite numbers.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
                                   std::size_t count);
-/// A whole number from 0 to 2^31 - 1, as 100000 or 1e5; -1 when `text` is none.
+/// Parses a whole number from 0 to 2^31 - 1, such as 100000 or 1e5; returns -1 if `text` is none.
 int parse_count(std::string_view text);
 
 }  // namespace manycontact::io

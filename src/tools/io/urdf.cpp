@@ -19,8 +19,7 @@ using io::UrdfJoint;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Silences urdfdom. No handler at all, rather than one that listens: urdfdom uses names from the file as
-// printf formats.
+// Silences urdfdom, without any output handler: urdfdom uses names from the file as printf formats.
 class Silence {
  public:
   Silence() : lock_(mutex()) { console_bridge::noOutputHandler(); }
@@ -66,7 +65,7 @@ Vec3<double> axis_of(const urdf::Joint& joint) {
   return axis / axis.stableNorm();
 }
 
-// The smallest rotation that takes z to the unit vector a (about x when a = -z).
+// The smallest rotation that takes z to the unit vector a (about x if a = -z).
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
   const double s2 = a.x() * a.x() + a.y() * a.y();
   if (s2 == 0) return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
@@ -89,7 +88,7 @@ JointType type_of(const urdf::Joint& joint) {
   }
 }
 
-// details: of the file; none: no limits.
+// Sets the limits from the file, or none by default.
 void set_limits(Joint& out, const UrdfJoint& details = {}) {
   const auto all = [&](double x) { return Eigen::VectorXd::Constant(out.nv(), x); };
   out.lower = all(details.lower);
@@ -98,13 +97,13 @@ void set_limits(Joint& out, const UrdfJoint& details = {}) {
   out.effort_limit = all(details.effort);
 }
 
-// The placement of a link's frame on a joint's body (-1: the immovable base).
+// The placement of a link's frame on a joint's body; joint -1: the immovable base.
 struct Place {
   int joint = -1;
   SE3<double> placement;
 };
 
-// Builds a Model from urdfdom's tree: walks it depth first, merging as it goes.
+// Builds a Model from urdfdom's tree, depth first, merging links on fixed and locked joints.
 class Builder {
  public:
   Builder(const urdf::ModelInterface& robot, const UrdfOptions& options, const std::string& path, UrdfDetails& details)
@@ -114,7 +113,7 @@ class Builder {
     model_.name = robot_.getName();
     model_.floating_base = options_.floating_base;
     check_locks();
-    std::vector<Step> stack{{&root_link()}};  // a chain of links may be longer than the machine's stack
+    std::vector<Step> stack{{&root_link()}};  // no recursion: a chain of links may be longer than the call stack
     while (!stack.empty()) {
       const Step step = stack.back();
       stack.pop_back();
@@ -126,7 +125,7 @@ class Builder {
       if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
         stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
       std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
-                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // the last is next
+                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // the last one is next
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
     set_passive();
@@ -142,10 +141,10 @@ class Builder {
   }
 
  private:
-  // A step from a placed link over a joint to another link. backwards: from the file's child to its parent.
+  // A step from a placed link over a joint to another link. backwards: from the file's child link to its parent.
   struct Step {
     const urdf::Link* link;
-    const urdf::Joint* joint = nullptr;  // null: the step to the root
+    const urdf::Joint* joint = nullptr;  // null for the root
     Place from = {};
     bool backwards = false;
   };
@@ -169,8 +168,8 @@ class Builder {
     return {append(std::move(base), link), {}};
   }
 
-  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q). In the other direction
-  // oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
+  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent =
+  // oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
   Place cross(const Step& step) {
     const urdf::Joint& joint = *step.joint;
     const Place& parent = step.from;
@@ -197,7 +196,7 @@ class Builder {
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                      ", expected a root on this side of it");
     SE3<double> link = behind;
-    if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps URDF's frame
+    if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps its frame
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {
@@ -238,7 +237,7 @@ class Builder {
     details_.findings.push_back({kind, name, text, path_, line});
   }
 
-  // Lists properties of a movable joint that are not modelled, or not as most users expect.
+  // Reports properties of a movable joint that are not modelled, or not as most users expect.
   void note(const urdf::Joint& joint, const Place& parent) {
     const UrdfJoint& details = details_.joint.at(joint.name);
     const auto refuse = [&](const std::string& what) { throw InputError(path_, details.line, what); };
@@ -302,7 +301,7 @@ class Builder {
     }
   }
 
-  // joint: the one that the option names; "" if it names none.
+  // Throws UrdfOptionError; joint: the joint that the option names, or "".
   [[noreturn]] static void refuse(const std::string& joint, const std::string& what) {
     throw UrdfOptionError(joint, false, what);
   }
@@ -320,7 +319,7 @@ class Builder {
     return i;
   }
 
-  // No motors carry a body in the air: a floating joint of the file is passive unless the options specify otherwise.
+  // A floating joint of the file is passive unless the options specify otherwise: no motors move a free body.
   void set_passive() {
     for (int i = model_.floating_base ? 1 : 0; i < model_.njoints(); ++i) {
       Joint& joint = model_.joints[i];
@@ -353,7 +352,7 @@ class Builder {
     }
   }
 
-  // Reads the limits of joints with one coordinate.
+  // Reads the dynamics of joints with one coordinate.
   void set_dynamics() {
     model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
     for (const Joint& joint : model_.joints) {
@@ -388,7 +387,7 @@ class Builder {
   const std::string& path_;
   UrdfDetails& details_;  // the builder adds to its findings
   Model model_;
-  std::vector<std::string> body_link_;  // one entry per joint: the link of its body
+  std::vector<std::string> body_link_;  // link of each joint's body
 };
 
 }  // namespace
@@ -397,7 +396,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // urdfdom's links own their children: let go one by one, a long chain is not freed recursively.
+  // urdfdom's links own their children: they are released one by one, since a long chain must not be freed recursively.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

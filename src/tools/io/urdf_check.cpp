@@ -24,7 +24,7 @@ Element required_child(const Element& parent, const char* name, const std::strin
 int line_of(int line) { return line; }
 int line_of(const UrdfJoint& joint) { return joint.line; }
 
-// A name that is given, not empty and new.
+// Returns the required name of an element, and refuses an empty or duplicate one.
 template <class Known>
 std::string check_name(const Element& e, Known& known) {
   const std::string name = e.not_empty("name");
@@ -42,7 +42,7 @@ void tell(const Element& e, const char* kind, const std::string& name, const std
 
 void add_to(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 
-// Missing values are zero, as if the file contained zeros.
+// Checks a link. Missing numbers of its inertia are zero.
 void check_link(const Element& link, UrdfDetails& details) {
   const std::string name = check_name(link, details.link);
   const auto inertial = link.child("inertial");
@@ -75,7 +75,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Returns the bound of an attribute, or `none` if it bounds nothing; `told` then has the reason.
+// Returns the bound in an attribute, or `none` with the reason in `told` if it is missing or not sound.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
@@ -84,8 +84,7 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Limits that are infinite, negative, crossed or missing bound nothing. If one of lower and upper is missing, it is 0,
-// as URDF defines it.
+// Reads limits; infinite, negative, crossed or missing ones count as none. A single missing bound is 0, as in URDF.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");
@@ -174,7 +173,7 @@ void check_tree(const Element& robot, const UrdfDetails& details, const std::vec
       at_line(e.line).fail("link " + quote(e.child) + " is the child of joint " + quote(e.joint) + " and of joint " +
                            quote(at->second->joint) + ", expected a tree");
   }
-  std::unordered_map<std::string, int> seen;  // link: number of the walk that met it first
+  std::unordered_map<std::string, int> seen;  // key: link; value: walk that reached it first
   std::string root;
   int walk = 0;
   for (const Element& link : robot.children("link")) {

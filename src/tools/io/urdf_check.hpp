@@ -1,6 +1,6 @@
 #pragma once
-// Checks that urdfdom does not make: lines, bad numbers, links that form no tree, unusual limits, and ignored elements.
-// For example, urdfdom ignores an <inertial> that it could not read, and continues with zeros.
+// Checks that urdfdom does not make: lines, invalid numbers, links that form no tree, unusual limits, and ignored
+// elements. For example, urdfdom ignores an <inertial> that it cannot read, and continues with zeros.
 
 #include <limits>
 #include <string>
@@ -18,40 +18,37 @@ struct UrdfJoint {
   int line = 1;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity(), effort = std::numeric_limits<double>::infinity();
-  double damping = 0, friction = 0;  // given for joints with one coordinate
+  double damping = 0, friction = 0;  // only for joints with one coordinate
 };
 
 struct UrdfDetails {
-  int robot = 1;                              // line
-  std::unordered_map<std::string, int> link;  // lines
+  int robot = 1;                              // line of <robot>
+  std::unordered_map<std::string, int> link;  // lines of links
   std::unordered_map<std::string, UrdfJoint> joint;
-  std::vector<Finding> findings;  // odd but usable, and how it is taken
+  std::vector<Finding> findings;  // unusual but usable input, and how it is used
 };
 
-/// Throws InputError unless links and joints form one tree of numbers that something can be computed from.
+/// Checks a robot. Throws InputError unless links and joints form one tree with usable numbers.
 UrdfDetails check_urdf(const Element& robot);
 
-/// Returns the text of the file reduced to the elements that urdfdom has to read: no limits, shapes, materials and
-/// plug-ins. Missing numbers of inertias are zeros, so that they cannot make it fail. Changes the document.
+/// Returns the file's text reduced to the elements that urdfdom must read, without limits, shapes, materials and
+/// plug-ins. Missing numbers of inertias become zeros, since urdfdom would fail without them. Changes the document.
 std::string text_for_urdfdom(XmlFile& file);
 
-// Whether a moving body's inertia is one that something can be computed with, and one that a body can have.
-
-/// Both return a description, or nothing if there is no fault. The text continues "link x and what is merged into it
-/// have".
+/// Problems of a moving body's inertia, or "". The texts continue "link x and what is merged into it have".
 struct InertiaVerdict {
-  std::string refused;  // not finite, a negative mass, a principal moment below -1e-9 of the trace
-  std::string odd;      // principal moments that violate the triangle inequality; they are used as they are
+  std::string refused;  // unusable: not finite, a negative mass, a principal moment below -1e-9 of the trace
+  std::string odd;      // principal moments that violate the triangle inequality; they are used as given
 };
 
-/// Y: of the body with all that is merged into it, about any origin. Massless bodies are ideal ones: a rotor about one
-/// axis is allowed. (What is merged first may be anything: Talos' gripper motors alone lack 1.3 % of their trace.)
+/// Checks the inertia Y of a body with all that is merged into it, about any origin. Massless bodies and rotors about
+/// one axis are allowed. Merged parts are not checked: Talos' gripper motors alone violate the inequality by 1.3 %.
 InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
-/// Refuses elements of xacro, except in shapes and colours, which tell_unread reports.
+/// Refuses elements of xacro, except in shapes and colours, where tell_unread reports them.
 void refuse_xacro(const Element& robot);
 
-/// Elements and attributes that act on the motion and are not read: loops, gears, springs, what is misspelt.
+/// Reports ignored elements and attributes that affect the motion: loops, gears, springs, misspelt names.
 void tell_unread(const Element& robot, std::vector<Finding>& findings);
 
 }  // namespace manycontact::io

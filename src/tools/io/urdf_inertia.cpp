@@ -10,7 +10,7 @@ namespace manycontact::io {
 
 namespace {
 
-// Six digits.
+// Formats a number with six digits.
 std::string brief(double x) {
   char digits[40];
   return {digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 6).ptr};

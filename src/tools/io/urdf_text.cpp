@@ -1,4 +1,4 @@
-// The text that urdfdom gets to read.
+// The text that urdfdom reads.
 
 #include <cstring>
 #include <set>
@@ -17,7 +17,7 @@ void keep(tinyxml2::XMLNode& node, const std::set<std::string>& wanted) {
   }
 }
 
-// urdfdom splits at single spaces only: a tab or a line break between numbers makes it fail.
+// urdfdom splits at single spaces only: it fails on a tab or a line break between numbers.
 void tidy_numbers(tinyxml2::XMLElement& e) {
   std::vector<std::pair<std::string, std::string>> tidied;
   for (const auto* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -28,7 +28,7 @@ void tidy_numbers(tinyxml2::XMLElement& e) {
   for (const auto& [name, value] : tidied) e.SetAttribute(name.c_str(), value.c_str());
 }
 
-// The first child `name`, made where there is none.
+// Returns the first child `name`, which is created if there is none.
 tinyxml2::XMLElement& first_child(tinyxml2::XMLElement& parent, const char* name) {
   if (auto* found = parent.FirstChildElement(name)) return *found;
   return *parent.InsertNewChildElement(name);
@@ -82,7 +82,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  robot.Accept(&printer);  // the declaration is left out: the text is UTF-8 now
+  robot.Accept(&printer);  // the declaration is left out, since the text is now UTF-8
   return printer.CStr();
 }
 

@@ -1,5 +1,5 @@
-// Elements of a URDF other than the links and joints that are read. Many of them do not act on the motion (shapes,
-// sensors, controllers). Those that do, or may, are reported, so that nothing is ignored silently.
+// Elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Those that do, or
+// may, are reported, so that nothing is ignored silently.
 
 #include <map>
 #include <set>
@@ -15,7 +15,7 @@ using Names = std::set<std::string, std::less<>>;
 // "drake:gear_ratio" -> "gear_ratio"
 std::string local_name(const std::string& name) { return name.substr(name.rfind(':') + 1); }
 
-// Every element inside, at any depth.
+// Calls visit for every descendant.
 template <class Visit>
 void each_inside(const Element& e, const Visit& visit) {
   for (const Element& inside : e.children()) {
@@ -24,7 +24,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Findings of similar elements become one, at the first of them.
+// Combines findings of similar elements into one, at the first of them.
 class Unread {
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
@@ -33,7 +33,7 @@ class Unread {
     findings_.push_back({"unread", name, text, *e.where().file, e.line()});
   }
 
-  // Counts an ignored element or attribute `what`. The warning reports its first place and the number of further ones.
+  // Counts an ignored element or attribute `what`. The finding reports its first place and the number of others.
   void count(const Element& e, const std::string& name, const std::string& what, const std::string& because = "") {
     const auto [at, is_first] = counted_.emplace(what, Counted{findings_.size(), 0, because});
     if (is_first) tell(e, name, {});
@@ -79,7 +79,7 @@ void look_into_gazebo(const Element& gazebo, Unread& unread) {
   each_inside(gazebo, [&](const Element& e) {
     const std::string name = local_name(e.name());
     if (name == "joint" && e.has("type"))
-      tell_constraint(e, unread);  // one of SDF, which closes a loop
+      tell_constraint(e, unread);  // a joint of SDF, which closes a loop
     else if (name == "springStiffness" || name == "spring_stiffness" || name == "springReference")
       unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint has no spring here");
   });
@@ -100,7 +100,7 @@ void look_into_transmission(const Element& transmission, Unread& unread) {
   });
 }
 
-// Elements of `parent` that are neither read nor known not to act on the motion; those that are read but once.
+// Counts children of `parent` that are neither read nor harmless, and repeated ones that are read only once.
 void look_at_children(const Element& parent, const std::string& owner, const Names& read, const Names& harmless,
                       Unread& unread) {
   Names seen;
@@ -159,14 +159,14 @@ Names xacro_prefixes(const Element& robot) {
   return prefixes;
 }
 
-// Whether an element is to become others by xacro.
+// Whether xacro should have replaced an element.
 bool is_xacro(const Element& e, const Names& prefixes) {
   const std::string name = e.name();
   const std::size_t colon = name.find(':');
   return colon != std::string::npos && prefixes.count(name.substr(0, colon)) > 0;
 }
 
-// Shapes and colours, which have no part in the motion.
+// Shapes and colours, which do not affect the motion.
 bool is_only_seen(const Element& e) {
   const std::string name = e.name();
   return name == "visual" || name == "collision" || name == "material";

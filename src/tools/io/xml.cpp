@@ -21,7 +21,7 @@ bool among(const char* name, std::initializer_list<const char*> known) {
   return std::ranges::any_of(known, [&](const char* k) { return std::strcmp(k, name) == 0; });
 }
 
-// Our attributes, and what other formats call them.
+// Our attributes, and their names in other formats.
 constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction friction_coefficient "},
                                                            {"frame", " link body frame1 parent "},
                                                            {"to", " frame2 body2 child target "},
@@ -45,8 +45,7 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// Returns the known name that corresponds to the name in another format, or that begins with it: "quat_xyzw" for
-// "quat". Returns nullptr if there is none.
+// Returns our name for one of another format or for its own beginning ("quat_xyzw" for "quat"), or nullptr.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;

@@ -1,5 +1,5 @@
 #pragma once
-// XML files and elements with their line numbers. The only header that names tinyxml2's types.
+// XML files and elements with their line numbers. No other header uses tinyxml2's types.
 
 #include <tinyxml2.h>
 
@@ -15,7 +15,7 @@
 
 namespace manycontact::io {
 
-/// One XML element of one file. A view: the XmlFile outlives it.
+/// A view of one XML element. Its XmlFile must outlive it.
 class Element {
  public:
   Element(const std::string& file, const tinyxml2::XMLElement& element) : file_(&file), element_(&element) {}
@@ -23,48 +23,47 @@ class Element {
   std::string name() const { return element_->Name(); }
   int line() const { return element_->GetLineNum(); }
   Where where() const { return {file_, line()}; }
-  /// The line of an attribute (an element may span several); the element's without it.
+  /// The line of an attribute (an element may span several), or the element's line if it is missing.
   Where where(const char* attribute) const;
   [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
 
-  /// Refuses an attribute's value: its label and `what` are the message, on its line.
+  /// Refuses an attribute's value, at its line, with the message label + what.
   [[noreturn]] void refuse(const char* attribute, const std::string& what) const {
     where(attribute).fail(label(attribute) + what);
   }
 
-  /// Refuses attributes that are not among these. (tinyxml2 refuses one given twice.)
+  /// Refuses attributes that are not known. (tinyxml2 refuses duplicates.)
   void allow_attributes(std::initializer_list<const char*> known) const;
-  /// Refuses text, and children that are not among these.
+  /// Refuses text, and children that are not known.
   void allow_children(std::initializer_list<const char*> known) const;
 
-  /// Refuses what either of these refuses.
   void allow(std::initializer_list<const char*> attributes, std::initializer_list<const char*> children = {}) const {
     allow_attributes(attributes);
     allow_children(children);
   }
 
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
-  std::vector<std::string> attributes() const;  // names of the attributes
-  /// An attribute's text; refuses when it is missing.
+  std::vector<std::string> attributes() const;
+  /// Returns an attribute's text; fails if it is missing.
   std::string required(const char* attribute) const;
-  /// The same; also refuses an empty one. what: what is expected.
+  /// Returns an attribute's text; fails if it is missing or empty. what: expected content, for the message.
   std::string not_empty(const char* attribute, const char* what = "a name") const;
   std::string optional(const char* attribute, const std::string& otherwise) const;
-  /// The index of an attribute's text among `choices`; `otherwise` when it is missing (-1: then refuses).
+  /// The index of an attribute's text among `choices`; `otherwise` if it is missing (-1: fails).
   int choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const;
   bool flag(const char* attribute, bool otherwise) const {
     return choice(attribute, {"false", "true"}, otherwise) == 1;
   }
   double number(const char* attribute, double otherwise) const;
   double number_from_0(const char* attribute, double otherwise) const;
-  /// A number above 0; required without `otherwise`. what: what is expected.
+  /// A number above 0; required unless `otherwise` is given. what: expected content, for the message.
   double positive(const char* attribute, std::optional<double> otherwise = {}, const char* what = "a number") const;
   /// A required whole number from `least` to `most`.
   int count(const char* attribute, int least, int most) const;
   double required_number(const char* attribute) const;
-  /// A number or an infinity ("-Inf", "1e999"), as limits are written.
+  /// A number or an infinity ("-Inf", "1e999"), as in limits.
   double number_or_infinity(const char* attribute, double otherwise) const;
-  /// Exactly n numbers; nothing when the attribute is missing.
+  /// Exactly n numbers, or none if the attribute is missing.
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* attribute) const {
     if (!has(attribute)) return {};
@@ -73,23 +72,21 @@ class Element {
     std::copy(list.begin(), list.end(), out.begin());
     return out;
   }
-  /// Reads the numbers of an attribute into `out`. Returns false and leaves `out` unchanged if the attribute is
-  /// missing.
+  /// Reads the numbers of an attribute into `out`; returns false and leaves `out` unchanged if it is missing.
   template <int n>
   bool read(const char* attribute, Eigen::Matrix<double, n, 1>& out) const {
     const auto list = numbers<static_cast<std::size_t>(n)>(attribute);
     if (list) out = Eigen::Matrix<double, n, 1>(list->data());
     return list.has_value();
   }
-  /// Reads an optional attribute.
   template <int n>
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));
   }
-  /// The text inside, comments left out; refuses elements inside.
+  /// The text inside, without comments; refuses elements inside.
   std::string text() const;
 
-  /// The first element inside, or all of them, called `name`; nullptr: whatever they are called.
+  /// The first child element, or all of them, with a name; nullptr: with any name.
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 
@@ -101,10 +98,9 @@ class Element {
   const tinyxml2::XMLElement* element_;
 };
 
-/// A parsed file with one root element.
 class XmlFile {
  public:
-  /// Bytes in any encoding that decode_xml knows. Throws InputError on a syntax error or another root.
+  /// Parses bytes in any encoding of decode_xml. Throws InputError for a syntax error or another root element.
   XmlFile(std::string path, const std::string& bytes, const char* root_name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;

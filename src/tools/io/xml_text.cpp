@@ -1,5 +1,3 @@
-// The text of an XML file as UTF-8, whatever encoding its declaration names.
-
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -28,7 +26,7 @@ void append_utf8(std::uint32_t c, std::string& out) {
   }
 }
 
-// "ISO-8859-1" and "iso8859_1" are one name.
+// Normalises the name of an encoding: "ISO-8859-1" and "iso8859_1" are equal.
 std::string plain_name(std::string_view name) {
   std::string out;
   for (const char c : name)
@@ -36,7 +34,7 @@ std::string plain_name(std::string_view name) {
   return out;
 }
 
-// The encoding that <?xml ... encoding="..."?> names; empty where it names none.
+// The encoding that <?xml ... encoding="..."?> declares, or "".
 std::string_view declared_encoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const std::string_view declaration = text.substr(0, text.find("?>"));
@@ -60,7 +58,7 @@ std::uint32_t windows1252(unsigned char byte) {
   return byte >= 0x80 && byte < 0xA0 && kWindows1252[byte - 0x80] ? kWindows1252[byte - 0x80] : byte;
 }
 
-std::uint32_t latin9(unsigned char byte) {  // ISO-8859-15: Latin-1 but for eight
+std::uint32_t latin9(unsigned char byte) {  // ISO-8859-15: Latin-1 except for eight characters
   constexpr std::pair<unsigned char, std::uint32_t> kOthers[] = {{0xA4, 0x20AC}, {0xA6, 0x160}, {0xA8, 0x161},
                                                                  {0xB4, 0x17D},  {0xB8, 0x17E}, {0xBC, 0x152},
                                                                  {0xBD, 0x153},  {0xBE, 0x178}};
@@ -76,7 +74,7 @@ std::string decode_bytes(std::string_view bytes, std::uint32_t (*character)(unsi
   return out;
 }
 
-// Lone surrogates are passed on as they are: the check of characters names their line.
+// Lone surrogates are kept: the check of characters reports their line.
 std::string decode_utf16(std::string_view bytes, bool big_endian) {
   const auto unit = [&](std::size_t i) {
     const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
@@ -100,7 +98,7 @@ bool is_xml_character(std::uint32_t c) {
          (c >= 0x10000 && c < 0x110000);
 }
 
-// The character that starts at text[at], and its length in bytes; length 0: none does.
+// The character that starts at text[at], and its length in bytes; length 0 if there is none.
 struct Decoded {
   std::uint32_t character = 0;
   std::size_t length = 0;
@@ -117,11 +115,11 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point; longer forms are not UTF-8
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point per length in bytes
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
-// Goes through the text once. It refuses characters that XML forbids, and references to such characters.
+// Scans the text once, and refuses characters that XML forbids and references to them.
 class Characters {
  public:
   Characters(const std::string& path, std::string_view text, bool declared)
@@ -153,7 +151,7 @@ class Characters {
 
   void check_reference() const {
     const std::size_t end = text_.find_first_of("; \t\r\n<>\"'&", at_ + 2);
-    if (end == std::string_view::npos || text_[end] != ';') return;  // none, and taken unchanged
+    if (end == std::string_view::npos || text_[end] != ';') return;  // no reference: kept unchanged
     std::string_view digits = text_.substr(at_ + 2, end - at_ - 2);
     const bool hex = digits.starts_with('x');
     if (hex) digits.remove_prefix(1);
@@ -175,7 +173,7 @@ class Characters {
     at_ += count;
   }
 
-  // Passes over a section, if one begins here. `checks`: references have no meaning in it, but characters are checked.
+  // Skips a section that begins here, without checking references; `checks`: characters are checked.
   bool section(std::string_view begin, std::string_view end, bool checks) {
     if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());

@@ -1,16 +1,16 @@
-// A bound on the energy that springs between points give.
+// Bounds the energy that springs between points give.
 //
-// Ends of springs on bodies that rotate far in a step move otherwise than its linear equations foresee, and errors of
-// stiff springs may add up. So each cluster of robots that springs and contacts join has an account of the energy that
-// its springs may give, as of a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics and Automation 18, 2002).
-// It begins with their energy. A step takes from it what the energy of the bodies at its end exceeds that after the
-// same step without springs by, less what other forces gave. Errors of the step without springs count by twice the
-// share of the motion that the most energy of springs makes up, and fully beyond half. Where a step takes more than
-// there is, velocities relative to the cluster's motion as one rigid body, which follows from its momentum, are scaled
-// such that it takes what there is. A cluster that the world constrains rests as a body. Errors that come and go, as
-// those of explicit steps do, pass through the account. Springs faster than the step lose energy in its linear
-// equations. Where their ends turn so far that these springs gain energy, a cluster that the world constrains moves by
-// a share of the step.
+// Ends of springs on bodies that rotate far in a step move otherwise than its linear equations predict, and errors of
+// stiff springs may accumulate. Each cluster of robots that springs and contacts couple therefore has an account of the
+// energy that its springs may give, as in a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics and Automation
+// 18, 2002). It starts with their energy. A step takes from it the energy of the bodies at its end minus that after the
+// same step without springs, and minus what other forces gave. Errors of the step without springs count by twice the
+// ratio of the largest spring energy to the energy of motion, and fully if that exceeds one half. If a step takes more
+// than there is, velocities relative to the cluster's motion as one rigid body, which follows from its momentum, are
+// scaled such that it takes what there is. A cluster that the world constrains has no rigid motion. Errors that
+// alternate in sign, as those of explicit steps do, cancel in the account. The linear equations dissipate energy of
+// springs that are faster than the step. If their ends rotate so far that such springs gain energy, a cluster that the
+// world constrains moves by a fraction of the step.
 
 #include <algorithm>
 #include <cmath>
@@ -25,10 +25,10 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmaller = 0.7;  // share of a step, at a time
+constexpr double kSmaller = 0.7;  // factor by which a step is shortened
 constexpr int kMostTrials = 60;
-constexpr double kFast = 10;        // h^2 k / m of springs whose linear step lets energy fall
-constexpr double kRounding = 1e-9;  // rounding error relative to the energy of springs
+constexpr double kFast = 10;        // h^2 k / m above which springs lose energy in the linear step
+constexpr double kRounding = 1e-9;  // relative to the energy of springs
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
@@ -52,7 +52,7 @@ std::span<const int> groups_of(int cluster, const BoundedEnergy& e) {
   return {e.members.data() + first, static_cast<std::size_t>(e.first[static_cast<std::size_t>(cluster) + 1] - first)};
 }
 
-// Free groups, cluster by cluster.
+// Sorts the free groups by cluster.
 void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.of_group.assign(groups.groups.size(), -1);
   e.first.assign(e.cluster.size() + 1, 0);
@@ -67,13 +67,13 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   for (int g = static_cast<int>(groups.groups.size()) - 1; g >= 0; --g)
     if (const int cluster = e.of_group[g]; cluster >= 0)
       e.members[--e.first[static_cast<std::size_t>(cluster) + 1]] = g;
-  std::rotate(e.first.begin(), e.first.begin() + 1, e.first.end());  // first: where each cluster begins in members
+  std::rotate(e.first.begin(), e.first.begin() + 1, e.first.end());  // first: start of each cluster in members
   e.first.back() = static_cast<int>(e.members.size());
 }
 
 double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
 
-// Kinetic energy of each cluster, and the energy with that in gravity; kinematics are at q, v then.
+// Computes each cluster's kinetic energy, and its total energy with gravity. Leaves the kinematics at q, v.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
                    BoundedEnergy& e, Eigen::VectorXd& energy) {
   kinematics_at(scene, q, v, d.at_rest.kin);
@@ -88,8 +88,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   energy += e.kinetic;
 }
 
-// The energy at the end of the step to x less what motors, external wrenches, joints and contacts gave, whose impulses
-// are h f.
+// The energy at the end of the step to x minus that from motors, wrenches, joints and contacts (impulses h f).
 void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const Eigen::VectorXd& f, double h,
                            SimulationData& d, BoundedEnergy& e, Eigen::VectorXd& energy) {
   find_energies(scene, d.next_q, d.next_v, d, e, energy);
@@ -105,7 +104,7 @@ void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const E
     }
 }
 
-// The clusters as rigid bodies, and the kinetic energy of their motion relative to that, after find_energies.
+// Computes the clusters' rigid motions and the kinetic energy relative to them. Needs find_energies.
 void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_tied(scene, d.free_groups, e);
   sort_groups(d.free_groups, e);
@@ -120,7 +119,7 @@ void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& 
   }
 }
 
-// Velocities of the clusters as rigid bodies.
+// Computes the velocities nv of the clusters' rigid motions.
 void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   e.rigid_v.setZero(scene.nv);
   for (const FreeGroups::FreeJoint& j : d.free_groups.joints) {
@@ -136,7 +135,7 @@ void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedE
   }
 }
 
-// Scales the velocities relative to the rigid motion of each cluster down whose springs gave too much energy.
+// Scales down velocities relative to the rigid motion in clusters whose springs gave too much energy.
 void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_rigid_velocities(scene, d, e);
   e.share.setOnes(scene.nrobots());
@@ -161,7 +160,7 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Computes the energies of each cluster's springs: of all springs, and of those faster than the step.
+// Computes the energy of each cluster's springs: of all springs, and of those faster than the step.
 void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;
@@ -186,7 +185,7 @@ bool stretches_too_far(int c, const BoundedEnergy& e) {
          e.at_start.fast[c] + kRounding * (e.at_start.fast[c] + std::abs(e.fast_given[c]));
 }
 
-// Ends the step with shares of its motion in clusters whose fast springs gain energy.
+// Shortens the step in clusters whose fast springs gain energy.
 void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_stretched(scene, d, true, e, e.at_start);
   if (e.at_start.fast.isZero(0) && e.fast_given.isZero(0)) return;
@@ -212,8 +211,8 @@ void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   d.work.springs += e.kinetic.sum() + e.at_end.all.sum() - first;
 }
 
-// The most that springs can hold at the end of the step: twice the energy that they have if their ends move on as in
-// this step, of what a step can make of it.
+// Computes the most energy that springs can contain after another step: twice their energy if their ends continue to
+// move as in this step, of which the step's equations leave a part.
 void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
   const ResistingSprings& s = *d.resisting->springs;
   most.setZero(scene.nrobots());
@@ -236,7 +235,7 @@ void begin_bound(const Scene& scene, bool goes_on, SimulationData& d) {
   BoundedEnergy& e = d.resisting->bounded;
   const ResistingSprings& s = *d.resisting->springs;
   find_robot_sets(scene, d.dynamics.active, true, e.cluster);
-  e.most.setZero(scene.nrobots());  // the springs' energy
+  e.most.setZero(scene.nrobots());  // energy of the springs
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const double stretch = d.applied->springs[k].length - scene.springs[k].length;
     at_robot(e.most, e, moving_end(scene.springs[k])) += scene.springs[k].stiffness * stretch * stretch / 2;

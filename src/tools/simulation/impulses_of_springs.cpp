@@ -1,4 +1,4 @@
-// Changes of the momentum of free groups by springs between points.
+// Changes of free groups' momentum by springs between points.
 
 #include <algorithm>
 #include <numeric>
@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// C_next is C + h P_next / m, at any time.
+// C_next is C + h P_next / m at any time.
 void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<double>& impulse) {
   const Vec3<double> C = group.Y.h / group.Y.m;
   group.P_next += impulse;
@@ -23,7 +23,7 @@ int group_number(const FreeGroups& groups, const Attachment& at) {
   return groups.group[groups.node[groups.first_body[at.robot] + at.joint]];
 }
 
-// Adds the angular momentum `dL` about the world's origin to groups that springs couple, by rotating them as one body.
+// Adds the angular momentum dL about the world's origin to groups coupled by springs, by rotating them as one body.
 void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
   const OneBody body = one_body(members, groups);
   const Vec3<double> dw = turn_for(body.plane, body.I, dL);

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace {
 
-// Largest magnitude; NaN when one entry is NaN.
+// Raises `largest` to |x|; NaN if one of them is NaN.
 void raise(double& largest, double x) { largest = sparse::larger_or_nan(largest, std::abs(x)); }
 
-// W e: the placement error in the contact's rows.
+// The placement error W e in the contact's rows.
 Vec6<double> placement_error(const Contact& contact, const ContactData<double>& d) {
   Vec6<double> e = Vec6<double>::Zero(), rows = e;
   if (contact.type == ContactType::k6D)

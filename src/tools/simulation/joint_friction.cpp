@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBisections = 60;
 
-// Finds the islands of joints with friction, or a single one if springs couple islands, and lists the joints by island.
+// Finds the islands of joints with friction (a single one if springs couple islands), and sorts the joints by island.
 void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints& j) {
   j.island.assign(j.rubbing.size(), 0);
   std::size_t r = 0;

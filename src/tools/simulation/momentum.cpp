@@ -9,7 +9,7 @@ using namespace internal;
 
 namespace {
 
-constexpr double kParallel = 1e-12;   // sine of the angle between normals of one plane
+constexpr double kParallel = 1e-12;   // sine of the angle between normals of parallel planes
 constexpr double kNoInertia = 1e-12;  // relative to the trace of I: axes with smaller moments get no angular velocity
 
 bool may_begin_group(const Joint& joint) {
@@ -28,7 +28,6 @@ int node_of(const FreeGroups& groups, const Attachment& at) {
   return moves(at) ? groups.node[groups.first_body[at.robot] + at.joint] : 0;
 }
 
-// The axes of a joint's placement in the world.
 Mat3<double> axes_of(const Robot& robot, const Joint& joint, const Kinematics<double>& kin) {
   const Mat3<double>& parent = joint.parent < 0 ? robot.base.R : kin.oMi[joint.parent].R;
   return robot.model->floating_base && joint.idx_v == 0 ? Mat3<double>(Mat3<double>::Identity())
@@ -42,7 +41,7 @@ void hold_in_plane(FreeGroup& group, const Vec3<double>& normal) {
     group.tied = true;
 }
 
-// 1D in world axes: it constrains its end to a plane.
+// Whether a contact is 1D in world axes and so constrains its end to a plane.
 bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
@@ -63,7 +62,7 @@ void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups&
   for (std::size_t i = 0; i < groups.group.size(); ++i) groups.group[i] = sets.root(static_cast<int>(i));
 }
 
-// Finds the groups that are tied to the world, and those that are tied to a plane of it.
+// Finds the groups that are tied to the world or constrained to a plane.
 void find_groups(const Scene& scene, const std::vector<char>& active, const std::vector<Kinematics<double>>& kin,
                  FreeGroups& groups) {
   (void)find_free_groups(scene, active, groups);
@@ -109,7 +108,7 @@ void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, 
   }
 }
 
-// Effect of a free joint's torques on the group below it and, the other way round, on that above; C_next is C still.
+// Adds the impulse of a free joint's torques to the groups below and above it. C_next must still be C.
 void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& tau,
                     double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   const Robot& robot = scene.robots[j.robot];

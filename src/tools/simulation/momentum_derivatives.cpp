@@ -12,7 +12,7 @@ namespace {
 
 using OfGroup = FreeMotionDerivatives::OfGroup;
 
-// A motion about the tree frame's origin as seen at a point p of that frame.
+// Expresses a motion about the tree frame's origin about a point p of that frame.
 Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   Vec6<double> out = motion;
   out.head<3>() += motion.tail<3>().cross(p);
@@ -21,7 +21,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
 
 Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // vector from the reference
 
-// Calls use(coordinate, its column of kin.J) for the coordinates of joint i of the robot and of all joints above it.
+// Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>
 void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& use) {
   const Model& model = *robot.model;
@@ -30,8 +30,7 @@ void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& 
       use(robot.idx_v + k, kin.J.col(k));
 }
 
-// The part of a group that each joint of robot r carries, and the derivatives of the group's momentum about its
-// reference.
+// Computes the part of a group that each joint of robot r carries, and derivatives of its momentum about its reference.
 void differentiate_robot(const Scene& scene, int r, int root, const std::vector<Kinematics<double>>& kin,
                          const FreeGroups& groups, const FreeGroup& group, FreeMotionDerivatives& d, OfGroup& out) {
   const Robot& robot = scene.robots[r];
@@ -61,7 +60,7 @@ void differentiate_robot(const Scene& scene, int r, int root, const std::vector<
   }
 }
 
-// Derivatives of every free group's C, P and L at the placements and velocities of kin, where it was measured.
+// Computes derivatives of each free group's C, P and L at the state of kin, at which it was measured.
 void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<double>>& kin, const FreeGroups& groups,
                             FreeMotionDerivatives& d) {
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -89,14 +88,13 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
   }
 }
 
-// Whether a group moves freely.
 bool is_free(const FreeGroups& groups, std::size_t g) { return !groups.groups[g].tied; }
 
 OfGroup& of_group(FreeMotionDerivatives& d, const FreeGroups& groups, const FreeGroup& group) {
   return d.groups[&group - groups.groups.data()];
 }
 
-// P+ and L+ by the torques of a free joint, and by the places at which they act.
+// Adds derivatives of P+ and L+ by a free joint's torques and by the positions where they act.
 void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
                            const Eigen::SparseMatrix<double>& dtau_dx, const Eigen::SparseMatrix<double>& dtau_dw,
                            const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
@@ -147,7 +145,7 @@ void multiply(const Scene& scene, const std::vector<int>& robots, const Block& b
   }
 }
 
-// How joint j's body turns: d.turned = sum of the angular parts above it, times F.
+// Computes d.turned, the rotation of joint j's body: angular parts of all coordinates above it times F.
 void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Eigen::MatrixXd& F,
           FreeMotionDerivatives& d) {
   d.turned.setZero();
@@ -156,7 +154,7 @@ void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Ei
   });
 }
 
-// F's rows of q: T dq~ + E dd.
+// Computes F's rows of q, T dq~ + E dd.
 void differentiate_displacement(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
   for (const FreeGroups::FreeJoint& j : groups.joints) {  // T
@@ -204,7 +202,7 @@ void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const M
   }
 }
 
-// F's rows of v: dv~ + A_q dq+. With R the child's axes, p its place and (u, w) the motion that was added:
+// Computes F's rows of v, dv~ + A_q dq+. With R the child's axes, p its position and (u, w) the added motion,
 //     R^T x changes by R^T (x x turn),    u + w x (p - C) by w x (dp - dC)
 void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {

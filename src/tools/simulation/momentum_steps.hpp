@@ -1,5 +1,5 @@
 #pragma once
-// A step's end (detail/simulation/momentum.hpp) and its derivatives share these functions.
+// Functions shared by the end of a step (detail/simulation/momentum.hpp) and its derivatives.
 
 #include <span>
 
@@ -19,44 +19,40 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
 }
 
-/// Changes of a free joint by end_free_motion: a displacement, and a velocity at the point `at`, in the world.
+/// Displacement of a free joint by end_free_motion, and its added velocity at the point `at`, in the world.
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 
-/// groups.any: whether the world leaves a group free. begin_free_motion finds the same; this needs no kinematics.
+/// Sets and returns groups.any, whether a group is free, as begin_free_motion does but without kinematics.
 bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups);
-/// Places and velocities of all robots; accelerations are not used.
+/// Computes placements and velocities of all robots; accelerations are not used.
 void kinematics_at(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                    std::vector<Kinematics<double>>& kin);
-/// The origin of an attachment in the world.
 Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>>& kin);
-/// Inertia and momentum of every free group, about its reference.
+/// Computes inertia and momentum of every free group about its reference.
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
-/// Angular momentum about the centre of mass C, seen from the reference.
+/// Angular momentum about the centre of mass C, which is given relative to the reference.
 Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C);
 /// If the group moves in a plane, removes the components of x across it.
 void in_the_plane(const FreeGroup& group, Vec3<double>& x);
-/// dw of I_C dw = dL; about axes without inertia 0.
+/// Solves I_C dw = dL; dw is 0 about axes without inertia.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// Free groups of bodies as one rigid body.
+/// Several free groups as one rigid body.
 struct OneBody {
   double m = 0;
   Vec3<double> C = Vec3<double>::Zero();
   Mat3<double> I = Mat3<double>::Zero();         // inertia about C
-  FreeGroup plane;                               // the plane that it moves in, if one of its groups moves in a plane
-  Vec3<double> V = Vec3<double>::Zero(), w = V;  // velocity computed from the groups' momentum
+  FreeGroup plane;                               // plane of motion, if one of its groups has one
+  Vec3<double> V = Vec3<double>::Zero(), w = V;  // velocity from the groups' momentum
 };
-/// Returns the rigid body that consists of the groups `members` where they were measured.
+/// Combines the measured groups `members` to one rigid body.
 OneBody one_body(std::span<const int> members, const FreeGroups& groups);
 
-/// Returns the centre of mass of a group in the world.
 inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference + group.Y.h / group.Y.m; }
-/// Returns the inertia of a group about its centre of mass.
 inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
-/// Returns the coordinates of a motion or wrench at a free joint's origin, in the child's axes and the order of a
-/// floating joint.
+/// Expands the coordinates of a motion or wrench of a free joint to those of a floating joint, in the child's axes.
 template <class V>
 Vec6<double> as_floating(const Joint& joint, const V& x) {
   Vec6<double> out = Vec6<double>::Zero();
@@ -67,8 +63,7 @@ Vec6<double> as_floating(const Joint& joint, const V& x) {
   return out;
 }
 
-/// Adds a motion in the child's axes to a free joint's coordinates. For a planar joint only the components in its plane
-/// are added.
+/// Adds a motion in the child's axes to a free joint's coordinates; for a planar joint, its components in the plane.
 template <class V>
 void add_motion(const Joint& joint, const Vec3<double>& linear, const Vec3<double>& angular, V& to) {
   if (joint.type == JointType::kPlanar) {

@@ -11,9 +11,9 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kFirstIterations = 6;  // inverse iterations from a start vector without information
+constexpr int kFirstIterations = 6;  // inverse iterations from an arbitrary start vector
 
-// x^T y and |x| of the rows of an island.
+// x^T y over the rows of an island.
 double product(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& x,
                const Eigen::VectorXd& y) {
   double sum = 0;
@@ -22,12 +22,12 @@ double product(const Scene& scene, const SceneData& data, const Island& island, 
   return sum;
 }
 
-// One inverse iteration at q: dynamics.a, dynamics.f for w. False where a solve failed.
+// Makes one inverse iteration at q: dynamics.a and f for w. Returns false if a solve failed.
 bool iterate(const Eigen::VectorXd& q, PostureData& d) {
   return solve_tau(d.rest.scene, q, d.rest.zero, d.rest.zero, d.w, d.dynamics).status != Status::kFailed;
 }
 
-// The island's w+ = f / |f| into w; |f|, or 0 where there is no such number.
+// Sets the island's rows of w to w+ = f / |f|. Returns |f|, or 0 if that is not possible.
 double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   const Eigen::VectorXd& f = d.dynamics.f;
   const double size = std::sqrt(product(scene, d.dynamics, island, f, f));
@@ -37,7 +37,7 @@ double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   return size;
 }
 
-// Rows of different weights, so that no symmetry of the scene is left out; of unit length in every island.
+// Starts with rows of different weights, against symmetries of the scene, of unit length in every island.
 void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) {
   d.active = active;
   d.dynamics.active = active;
@@ -54,7 +54,7 @@ void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) 
   d.known = false;
 }
 
-// min over s of |(1 - s) x0 + s x1|, of |x0|, |x1| and x0^T x1.
+// min over s of |(1 - s) x0 + s x1|, from |x0|, |x1| and x0^T x1.
 ClosestPosture closest_between(double size0, double size1, double product01) {
   const double step2 = size0 * size0 + size1 * size1 - 2 * product01;
   const double at = step2 > 0 ? std::clamp((size0 * size0 - product01) / step2, 0.0, 1.0) : 1;
@@ -62,7 +62,7 @@ ClosestPosture closest_between(double size0, double size1, double product01) {
   return {std::sqrt(std::max(least2, 0.0)), at};
 }
 
-// w+, x and sigma of an island after an iteration, and the closest between the last state and this one.
+// Updates w+, x and sigma of an island. Returns the closest point between the last state and this one.
 ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
   const Island& island = solved_island(d.dynamics, i);
   const double size = take_rows(scene, island, d);

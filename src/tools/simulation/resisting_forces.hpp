@@ -1,5 +1,5 @@
 #pragma once
-// Workspace of the end of a semi-implicit Euler step.
+// Workspace for the end of a semi-implicit Euler step.
 
 #include <optional>
 
@@ -11,27 +11,25 @@ namespace manycontact {
 
 namespace internal {
 
-/// Workspace of bounded_energy.cpp. Springs and contacts couple robots into clusters. The entry of a cluster's first
-/// robot is the energy of the cluster [J].
+/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (coupled by springs, contacts) are at its first robot.
 struct BoundedEnergy {
-  // Kept from step to step: energy that springs may still give, and the most that it has been. NaN where it must be
-  // computed.
+  // Kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
   Eigen::ArrayX2d account;
   std::vector<int> cluster;
-  // Energy of the bodies at the start, and after the step without springs, less what others gave.
+  // Energy of the bodies at the start, and after the step without springs minus what other forces gave.
   Eigen::VectorXd before, without;
-  Eigen::VectorXd given, most;        // what springs gave in this step; the most that they can hold
+  Eigen::VectorXd given, most;        // energy that springs gave in this step; the most that they can contain
   Eigen::VectorXd fast_given;         // what springs faster than the step gave
-  Eigen::VectorXd kinetic, relative;  // kinetic energy at the end; that relative to the clusters' motion as one body
-  std::vector<OneBody> bodies;        // one entry per cluster that is free
+  Eigen::VectorXd kinetic, relative;  // kinetic energy at the end; its part relative to the clusters' rigid motion
+  std::vector<OneBody> bodies;        // one entry per free cluster
   struct Stretched {
     Eigen::VectorXd all, fast;
   } at_start, at_end;              // energies of springs
-  Eigen::VectorXd share, rigid_v;  // left of the motion relative to that of the clusters as one body, and that (nv)
+  Eigen::VectorXd share, rigid_v;  // scale of the motion relative to the clusters' rigid motion; that motion (nv)
 
-  std::vector<char> tied;           // one entry per cluster: it is fixed to the world
+  std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world
   std::vector<int> of_group;        // one entry per free group: its cluster
-  std::vector<int> members, first;  // free groups sorted by cluster; first: where each cluster begins in members
+  std::vector<int> members, first;  // free groups sorted by cluster; start of each cluster in members
 };
 
 /// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.
@@ -41,10 +39,10 @@ struct AtRest {
 };
 AtRest at_rest_with_joints(SimulationData& data);
 
-/// Call it before a step's solves. Adds the forces of PD laws at the start of the step to data.w, and to M the terms of
-/// all joint forces at its end. The scene at rest with these terms follows `scene` and the active contacts.
+/// Before a step's solves, adds the forces of PD laws at the start of the step to data.w, and the terms of all joint
+/// forces at its end to M. The scene at rest with these terms follows `scene` and the active contacts.
 void take_joints(const Scene& scene, SimulationData& data);
-/// After them: data.pd_torque and data.work of joints.
+/// Computes data.pd_torque and data.work of joints after the solves.
 void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
 
 }  // namespace internal
@@ -54,10 +52,10 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;                     // whether at_rest and dynamics are made
-  std::unique_ptr<SceneAtRest> at_rest;  // the scene with the joints' inertias; null: SimulationData::at_rest is used
-  std::unique_ptr<SceneData> dynamics;   // data of that scene
-  std::optional<internal::ResistingSprings> springs;  // nullopt: there are no springs between points
+  bool made = false;                     // whether at_rest and dynamics were made
+  std::unique_ptr<SceneAtRest> at_rest;  // the scene with added inertias; null: SimulationData::at_rest is used
+  std::unique_ptr<SceneData> dynamics;   // data of at_rest
+  std::optional<internal::ResistingSprings> springs;  // nullopt: no springs between points
   internal::BoundedEnergy bounded;
 };
 

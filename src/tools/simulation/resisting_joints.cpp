@@ -27,7 +27,7 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
   return model;
 }
 
-// The diagonal of M^-1 at q = 0 of joints with springs; infinite where M is singular.
+// The diagonal of M^-1 at q = 0 for joints with springs; infinite if M is singular.
 Eigen::VectorXd mobilities(const Scene& scene) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
   int last = -1;
@@ -54,11 +54,11 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 
 }  // namespace
 
-// Equal robots share a model, unless friction changes it from solve to solve.
+// Equal robots share a model, unless friction changes its inertias between solves.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;
-  std::vector<std::size_t> first;  // the first robot of each set of equal ones
+  std::vector<std::size_t> first;  // first robot of each set of equal robots
   models.assign(scene.robots.size(), nullptr);
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];

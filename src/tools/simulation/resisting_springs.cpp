@@ -17,14 +17,14 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring has negligible effect
-constexpr double kNothing = 1e-12;       // value of D J M^-1 J^T for a row without effect
-constexpr std::size_t kMostRows = 3000;  // up to this number, a dense factor of the rows `used`, if ...
+constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring is negligible
+constexpr double kNothing = 1e-12;       // D J M^-1 J^T of a row without effect
+constexpr std::size_t kMostRows = 3000;  // most rows `used` for a dense factor, if ...
 constexpr double kMostZeros = 8;         // ... at least one in this many entries is nonzero
-constexpr int kFewNumbers = 32;          // up to this number of unit forces on an island, one solve each
-constexpr int kMostCoordinates = 2000;   // velocities of an island, up to which K^-1 is computed as a matrix
+constexpr int kFewNumbers = 32;          // most unit forces on an island for which each takes a solve
+constexpr int kMostCoordinates = 2000;   // most velocities of an island for which K^-1 is computed as a matrix
 
-// Returns an upper bound of J M^-1 J^T: that of the body alone. Joints and contacts reduce it.
+// Returns an upper bound of J M^-1 J^T, that of the body alone, which joints and contacts reduce.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Inertia<double>& Y = scene.robots[at.robot].model->joints[at.joint].inertia;
@@ -54,7 +54,7 @@ void follow_loads(const Scene& scene, Scene& loads) {
   for (std::size_t r = 0; r < scene.robots.size(); ++r) loads.robots[r].base = scene.robots[r].base;
 }
 
-// How a spring's end accelerates while its robot's joints and its base, seen from the world, go on as they do.
+// Acceleration of a spring's end if its robot's joints, and its base relative to the world, continue their motion.
 Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const AppliedForces<double>& forces) {
   if (!moves(at)) return Vec3<double>::Zero();
   const Kinematics<double>& kin = forces.robots[forces.number[at.robot]].kin;
@@ -69,8 +69,8 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
                                                      : Vec3<double>(end - kin.a_base.head<3>());
 }
 
-// How much of what a spring's ends do across it is a turn that does not stretch it, 0 ... 1: with c the rate across it,
-// T / s (c^2 + s n^T (p_A'' - p_B'')) is what its energy rises by, twice over h^2.
+// The share 0 ... 1 of the motion across a spring that is a rotation of the spring without stretch. With c the rate
+// across the spring and s its length, its energy rises twice by h^2 times T / s (c^2 + s n^T (p_A'' - p_B'')).
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
@@ -107,7 +107,7 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// K v+ = b with M v and the bias by SIMD batches. False: these do not serve; b and d.tau have M v and the bias then.
+// Solves K v+ = b in SIMD batches, which add M v and the bias. If it returns false, b and d.tau contain them.
 bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return false;
   d.next_contact_v.resize(d.wanted.size());
@@ -123,8 +123,7 @@ bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
-// Sets the contacts' gains alpha to zero during its lifetime: placement errors must not affect the response to a unit
-// force.
+// Sets the contacts' alpha to zero during its lifetime: placement errors must not affect responses to unit forces.
 class WithoutGains {
  public:
   WithoutGains(Scene& rest, std::vector<double>& gains) : rest_(rest), gains_(gains) {
@@ -148,7 +147,7 @@ bool islands_fit(const SceneData& data) {
   return true;
 }
 
-// K^-1 of every island by one panel of right-hand sides; nullptr where a solve for each unit force is cheaper.
+// Computes K^-1 of every island by one panel of right-hand sides; nullptr if one solve per unit force is cheaper.
 const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s) {
   const auto [rest, data] = at_rest_with_joints(d);
   if (s.numbers < kFewNumbers || !islands_fit(data)) return nullptr;
@@ -210,7 +209,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   return true;
 }
 
-// J K^-1 J^T into C, or into entries where it is not dense.
+// Computes J K^-1 J^T in C, or in `entries` if it is sparse.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.is_dense ? (void)s.C.setZero(n, n) : s.entries.clear();
@@ -227,7 +226,7 @@ double rate_at_start(const SimulationData& d, const ResistingSprings::Row& row) 
   return row.direction.dot(d.applied->springs[row.spring].rate);
 }
 
-// g along springs: less the share of the velocity at the start.
+// Computes g along springs, with the kept share of the velocity at the start.
 void keep_along(const SimulationData& d, ResistingSprings& s) {
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     ResistingSprings::Row& row = s.rows[i];
@@ -238,8 +237,8 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// D across springs by what they pull with at the end of the step, as far as it is known by the rows along them: a
-// spring that a step relaxes is not stiff across itself.
+// Computes D across springs by their tension at the end of the step, as predicted by the rows along them: a spring that
+// relaxes within the step is not stiff across itself.
 void take_tensions(const SimulationData& d, ResistingSprings& s) {
   s.stretching = s.p;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
@@ -257,8 +256,8 @@ void take_tensions(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// g across springs, of the velocity at the start less what stretches springs: the share of it that is not resisted, and
-// of the rest what turns.
+// Computes g across springs from the velocity at the start without its stretching part: the share that is not resisted,
+// and the rotating share of the rest.
 void keep_across(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.rate.resize(n), s.stretching.resize(n);
@@ -279,7 +278,7 @@ void keep_across(const SimulationData& d, ResistingSprings& s) {
     }
 }
 
-// Finds D and g across springs, from the action of the rows along them.
+// Finds D and g across springs from the response of the rows along them.
 bool find_across(const SimulationData& d, ResistingSprings& s) {
   if (std::ranges::none_of(s.rows, is_across)) return true;
   if (!factorize_rows(false, s)) return false;
@@ -288,7 +287,7 @@ bool find_across(const SimulationData& d, ResistingSprings& s) {
   return true;
 }
 
-// Whether J K^-1 J^T has few rows, or enough nonzero entries to be stored densely.
+// Whether J K^-1 J^T is stored densely: it has few rows, or enough nonzero entries.
 bool is_dense(const ResistingSprings& s) {
   double responses = 0;
   for (const UnitForce& end : s.ends) responses += 2 * end.number + 1;
@@ -373,7 +372,7 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
     const Spring& spring = scene.springs[row.spring];
     const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1),
                  mean = (before + after) / 2, moved = d.h * after;
-    const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // what turns with its bodies is not stretched
+    const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // the rotating part is not stretched
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     double& given = s.given[i];
     given = (s.p[i] - damper) * mean;

@@ -2,17 +2,17 @@
 // Springs and dampers between points in a semi-implicit Euler step of any length.
 //
 // With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
-// p = -D (J v+ + g) with the share s of spring_share.hpp in D g = h k e - s h^2 k J v: the force
-// -k (e + h J (v+ - s v)) - c J v+. A spring that pulls by T at the length l at the end of the step is stiff across
-// itself, too: there D = h^2 T / l, and D g = -s D J v' with v' the velocity at the start less what stretches springs.
-// Where a spring turns with its bodies its force does as well, and brakes nothing: with r the share of what its ends do
-// that is such a turn, g = -(s + r - s r) J v'. With K the rest of the matrix and x0 what it gives without springs,
+// p = -D (J v+ + g), where D g = h k e - s h^2 k J v with the share s of spring_share.hpp: this is the force
+// -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is stiff across itself,
+// too: there D = h^2 T / l and D g = -s D J v', with v' the velocity at the start without its stretching part. If a
+// spring rotates with its bodies, so does its force, which brakes nothing: with r the rotating share of its ends'
+// motion, g = -(s + r - s r) J v'. With K the rest of the matrix and x0 the solution without springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
-// K^-1 J^T takes a solve for each end of a spring on an island, and one solve serves all islands. Islands are of robots
-// that contacts join, springs do not: the step of many bodies on springs costs in proportion to their number. An island
-// with many springs takes a panel of right-hand sides instead, K^-1 as a matrix.
+// K^-1 J^T takes one solve for each end of a spring on an island, and one solve serves all islands. Contacts couple
+// robots into islands, springs do not: the cost of many bodies on springs is proportional to their number. An island
+// with many springs takes a panel of right-hand sides instead, which gives K^-1 as a matrix.
 
 #include <Eigen/SparseCholesky>
 
@@ -26,33 +26,33 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;                                      // the scene without springs between points; the other loads act
-  std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: there are none
+  Scene loads;                                      // the scene with all loads except springs between points
+  std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: no such loads
   std::vector<double> mobility;                     // each spring's upper bound of 1/m: its bodies alone [1/kg]
 
   struct Row {
     int spring;
-    Vec3<double> direction;  // direction in the world
+    Vec3<double> direction;  // unit vector in the world
     double D, g, k, e;       // k, e: stiffness and stretch along `direction`
     double turns;            // rows across a spring: r, 0 ... 1; rows along it: -1
     double length;           // rows across a spring with a rest length: its current length; other rows: 0
-    double keeps = 0;        // s, the spring's share of v that is not resisted
+    double keeps = 0;        // s, the share of v that is not resisted
   };
   std::vector<Row> rows;
   UnitTorques unit;
-  std::vector<UnitForce> ends;  // unit forces on the rows' ends
-  std::vector<int> row;         // one entry per entry of `ends`: its row
-  int numbers = 0;              // `ends` are numbered; those of one number are on different islands
-  std::vector<int> asked;       // one entry per island: index in `ends` of the unit force that is solved for; -1: none
+  std::vector<UnitForce> ends;  // unit forces on the ends of rows
+  std::vector<int> row;         // row of each entry of `ends`
+  int numbers = 0;              // count of numbers in `ends`; forces of one number are on different islands
+  std::vector<int> asked;       // one entry per island: index in `ends` of the unit force in the solve; -1: none
   std::vector<double> gains;    // alpha of each contact, saved while the solves for unit forces use zero
   Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
   Eigen::VectorXd p, rate;     // one entry per row: impulse; J v'
-  Eigen::VectorXd given;       // one entry per row: energy that the impulse, but a damper's, gives to the bodies [J]
+  Eigen::VectorXd given;       // one entry per row: energy that the impulse without damper gives to the bodies [J]
   Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
   bool is_dense = true;        // J K^-1 J^T is dense: few rows, or most of them on one island
-  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; the part of the rows `used`, with D^-1 added
+  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
   std::vector<int> used;       // rows that are not left out
   Eigen::VectorXd of_used;
   Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
@@ -61,32 +61,32 @@ struct ResistingSprings {
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
-  Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), the contacts' impulses
+  Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), impulses of contacts
 
-  // Groups of bodies that springs join, and the angular momentum that they are to be given back.
+  // Groups of bodies coupled by springs, and the angular momentum to be restored to them.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
 };
 
 constexpr double kIdle = 1e-300;      // value of D for a row that is left out
-constexpr std::size_t kFewRows = 64;  // up to this number, one dense factor of all rows
+constexpr std::size_t kFewRows = 64;  // most rows for one dense factor of all rows
 
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
-/// Factorizes D^-1 + J K^-1 J^T of the rows along springs, or of all. False where there is no factor.
+/// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all. Returns false if that fails.
 [[nodiscard]] bool factorize_rows(bool all, ResistingSprings& s);
-/// x of (D^-1 + J K^-1 J^T) x = x, of the rows last factorized.
+/// x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
 void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
-/// Adds external wrenches and joints' springs at the start of the step to data.w; data.applied is at the state then.
+/// Adds external wrenches and joint springs at the start of the step to data.w, and sets data.applied to that state.
 void add_loads(const Scene& scene, SimulationData& data);
-/// After it: the rows. Where a spring has no direction, data.w is NaN.
+/// Finds the rows, after add_loads. data.w becomes NaN for a spring without direction.
 void take_springs(const Scene& scene, SimulationData& data);
-/// K v+ = b with the springs' impulses: into the data of at_rest_with_joints. False when a solve failed. Where
-/// data.in_batches, M v and the bias are not in b: the solve adds them. Where it cannot, they are in b, data.tau then.
+/// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. If
+/// data.in_batches, the solve adds M v and the bias to b; if batches cannot, b and data.tau contain them afterwards.
 [[nodiscard]] bool solve_with_springs(Eigen::VectorXd& b, SimulationData& data);
-/// After it: adds the impulses to the momentum that free groups will have.
+/// Adds the springs' impulses of the solve to the momentum that free groups will have.
 void add_impulses_of_springs(const Scene& scene, SimulationData& data);
-/// data.work of springs and dampers between points.
+/// Computes data.work of springs and dampers between points.
 void account_for_springs(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
 
 }  // namespace manycontact::internal

@@ -1,15 +1,13 @@
-// Factors of the rows of springs.
-
 #include "resisting_springs.hpp"
 
 namespace manycontact::internal {
 
 namespace {
 
-// The rows along springs, or all.
+// Whether a row takes part: those along springs, or all.
 bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
 
-// Few rows: those that take no part are decoupled.
+// Factorizes few rows; rows that take no part are decoupled.
 void factorize_few(bool all, ResistingSprings& s) {
   s.with_D = s.C;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {

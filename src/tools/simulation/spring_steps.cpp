@@ -14,9 +14,9 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-constexpr int kMostAsked = 100;  // joints of a robot
+constexpr int kMostAsked = 100;  // most joints of a robot for which mobilities are computed
 
-// Stiffness k and damping c of the joints' coordinates. Friction is replaced by its slope at rest.
+// Stiffness k and damping c of joint coordinates, with friction as its slope at rest.
 struct JointForces {
   Eigen::VectorXd k, c;
   JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)) {
@@ -34,7 +34,7 @@ std::vector<int> joints_with_forces(const JointForces& forces) {
   return out;
 }
 
-// Three for each spring between points, one for each joint that is asked; the others get an infinite mobility.
+// Makes three unit forces per spring between points, one per joint; those beyond kMostAsked get infinite mobility.
 std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
                                   Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;
@@ -72,7 +72,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  rest.follow(scene, 0);  // gains are zero: placement errors have no effect on mobilities
+  rest.follow(scene, 0);  // gains are zero: placement errors must not affect mobilities
   SceneData data(rest.scene);
   data.active = active;
   unit.place(scene, q);

@@ -13,9 +13,9 @@
 
 namespace manycontact {
 
-/// States as copies in one scene. After a step of one of them failed, each has data of its own. Between steps a part
-/// stores only what `step` continues from; the memory of solves belongs to the thread. A part with dependent rows
-/// keeps the data that found them.
+/// States as copies in one scene; once a step of one of them fails, each has its own data. Between steps a part stores
+/// only the members of SimulationData from which `step` continues, and solves use the thread's memory. A part with
+/// dependent rows keeps the data that found them.
 struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
@@ -24,9 +24,9 @@ struct SimulationBatch::Part {
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  std::unique_ptr<SimulationData> own;  // null: the part uses the thread's data
-  std::vector<SimulationData> alone;    // none, or one for each state
-  Eigen::VectorXd u;                    // scratch
+  std::unique_ptr<SimulationData> own;  // null: the thread's data are used
+  std::vector<SimulationData> alone;    // empty, or one entry per state
+  Eigen::VectorXd u;                    // workspace
 };
 
 struct SimulationBatch::Work {
@@ -49,7 +49,7 @@ void expect(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(what);
 }
 
-// Copies rows first ... of X into `out`, one after the other. Surplus copies repeat the last row.
+// Concatenates rows first ... of X into `out`. Surplus copies repeat the last row.
 void side_by_side(const ConstBatchRows& X, Eigen::Index first, int copies, Eigen::VectorXd& out) {
   out.resize(copies * X.cols());
   for (int k = 0; k < copies; ++k)
@@ -62,7 +62,7 @@ int states_at_once(const Scene& scene, const Options& options) {
   return internal::states_side_by_side(data);
 }
 
-// The caller's numbers into the data of states first ... .
+// Copies the caller's settings into the data of states first ... first + states - 1.
 void take_settings(const SimulationBatch& b, Eigen::Index first, int states, SimulationData& d) {
   d.velocity_limit = b.velocity_limit;
   for (std::size_t c = 0; c < d.dynamics.active.size(); ++c) d.dynamics.active[c] = b.active[c % b.active.size()];
@@ -82,7 +82,7 @@ void put_state(const Scene& scene, const SimulationData& d, int copy, Eigen::Ind
   b.f.row(state) = d.f.segment(copy * b.f.cols(), b.f.cols()).transpose();
 }
 
-// One state of the copies, with all that the next step knows of the last.
+// Extracts one state of the copies, with all data from which the next step continues.
 SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, Eigen::Index rows) {
   const Eigen::VectorXd q = d.q.segment(copy * scene.nq, scene.nq), v = d.v.segment(copy * scene.nv, scene.nv);
   SimulationData out(scene, q, v, d.integrator, d.h, d.dynamics.options);
@@ -100,7 +100,7 @@ SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, 
   return out;
 }
 
-// Steps of states that have their own data.
+// Steps states that have their own data.
 void step_alone(const Scene& scene, const ConstBatchRows& u, int steps, Part& part, SimulationBatch& b) {
   for (int k = 0; k < part.states; ++k) {
     SimulationData& d = part.alone[k];
@@ -135,8 +135,7 @@ bool rows_depend(SimulationData& d) {
   return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
 }
 
-// Calls use(data) with the part's own data or those of the thread. If the result is true, the data belong to the part
-// from then on.
+// Calls use(data) with the part's or the thread's data. If it returns true, the part owns the data afterwards.
 template <class Use>
 void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
   if (part.own) return (void)use(*part.own);
@@ -147,7 +146,7 @@ void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Par
   use(d) ? part.own.swap(of_thread) : exchange(part, d);
 }
 
-// Steps of copies in one scene: the number made before one failed.
+// Steps copies in one scene. Returns the number of steps before one failed.
 int step_together(const Scene& scene, const ConstBatchRows& u, int steps, const Work& work, Part& part,
                   SimulationData& d, SimulationBatch& b) {
   take_settings(b, part.first, work.copies, d);
@@ -201,7 +200,7 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
            "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
 }
 
-// The velocities of contacts that the next step of the whole is to go on from, where one state is another.
+// Renews the data from which the next step continues after one state was replaced.
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
@@ -235,7 +234,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
     Part& part = work->parts.emplace_back();
     part.first = first, part.states = static_cast<int>(std::min<Eigen::Index>(copies, q.rows() - first));
     side_by_side(q, first, copies, part.q), side_by_side(v, first, copies, part.v);
-    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // unlike any state
+    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // differs from any state
     part.left_v = part.v;
   }
   work->failures.resize(static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));
@@ -273,7 +272,7 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[copy], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      for (int at = copy; at < last; ++at) {  // the unused copies that follow the last state are set, too
+      for (int at = copy; at < last; ++at) {  // also sets the surplus copies of the last state
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
       }

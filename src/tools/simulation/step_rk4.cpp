@@ -11,7 +11,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// [w, v] on SE(2), for (x, y, angle): w's turn moves v's translation and the other way round.
+// [w, v] on SE(2) in coordinates (x, y, angle).
 Vec3<double> bracket_se2(const Vec3<double>& w, const Vec3<double>& v) {
   return {w[1] * v[2] - w[2] * v[1], w[2] * v[0] - w[0] * v[2], 0};
 }
@@ -22,9 +22,9 @@ Vector series(const Vector& w, const Vector& v, Bracket&& bracket) {
   return v + once / 2 + twice / 12;
 }
 
-// out = v + [w, v]/2 + [w, [w, v]]/12 on every joint. w, v, out: nv.
+// Computes out = v + [w, v]/2 + [w, [w, v]]/12 on every joint. w, v, out: nv.
 void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
-  out = v;  // joints of one coordinate commute
+  out = v;  // exact for joints with one coordinate
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints) {
       const int i = robot.idx_v + joint.idx_v;
@@ -38,7 +38,7 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
     }
 }
 
-// Adds work and mean torques of resisting forces at the stage's state, for the share `weight` of the step dt.
+// Adds work and mean torques of resisting forces at the stage's state, with this weight in the step.
 void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
   const double dt = weight * d.h;
   for (const Robot& robot : scene.robots) {

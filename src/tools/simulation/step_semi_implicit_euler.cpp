@@ -13,20 +13,19 @@ namespace manycontact::internal {
 
 namespace {
 
-// Whether the contacts' velocities are those of the last step's end.
+// Whether the state and the contacts are those at the end of the last step, so that its contact velocities are valid.
 bool goes_on_from_last(const SimulationData& d) {
   return d.left_active == d.dynamics.active && d.left_q == d.q && d.left_v == d.v;
 }
 
-// The part of M v that the robots' inverse dynamics lack.
+// Computes the armatures' part of M v, which the robots' inverse dynamics lack.
 void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
   for (const Robot& robot : scene.robots)
     d.tau.segment(robot.idx_v, robot.model->nv) =
         -d.h * robot.model->armature.cwiseProduct(d.stop.segment(robot.idx_v, robot.model->nv));
 }
 
-// M v and the bias into tau, as far as the solve in SIMD batches does not compute them; kinematics where they are used
-// outside of it.
+// Computes M v and the bias in tau unless the solve in SIMD batches does, and kinematics needed outside of it.
 void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   stop_in_a_step(scene, d.v, d.h, d.stop);
   d.in_batches = scene.springs.empty();
@@ -36,7 +35,7 @@ void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
 }
 
-// Sets data.wanted to (1 - beta h) c. c is J v if the state or the contacts have changed since the last step.
+// Sets data.wanted to (1 - beta h) c, where c is the velocity kept from the last step, or J v after a change.
 void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
   if (!goes_on) {
@@ -50,7 +49,7 @@ void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d
   if (rows_may_turn(scene, d)) leave_out_alpha_of_turning_rows(scene, d);
 }
 
-// The same at the end of the step.
+// Updates contact velocities at the end of the step.
 void follow_contact_velocities(SimulationData& d) {
   d.wanted = d.contact_v;
   if (d.in_batches)
@@ -59,7 +58,7 @@ void follow_contact_velocities(SimulationData& d) {
     d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
 }
 
-// K v+ = tau + h w with all that resists: into the data of at_rest_with_joints. False when a solve failed.
+// Solves K v+ = tau + h w with all resisting forces, in data of at_rest_with_joints; returns false if that fails.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {
@@ -85,7 +84,7 @@ void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (d.resisting->springs) take_springs(scene, d);
 }
 
-// Names the springs without direction. The solve only reports that the torques of their robots are not numbers.
+// Reports springs without direction; the solve itself only reports NaN torques of their robots.
 void name_springs_without_direction(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
@@ -145,7 +144,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
   d.dynamics.a = d.dynamics.a / h + d.stop;
-  give_up_solution(d.dynamics);  // it was solved at another state than the present one
+  give_up_solution(d.dynamics);  // it belongs to another state than the current one
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;

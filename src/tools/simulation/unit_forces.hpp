@@ -1,6 +1,5 @@
 #pragma once
-// Unit forces along springs and on joints, the torques that they are, and what a velocity or an acceleration is along
-// them: with the columns of U these torques, tau = U x and U^T a.
+// Unit forces along springs and on joints, with torques tau = U x and components U^T a of a velocity or acceleration a.
 
 #include <algorithm>
 
@@ -8,13 +7,13 @@
 
 namespace manycontact::internal {
 
-/// Finds for each robot the first robot of its set. Contacts flagged `active` join robots, and springs if `by_springs`.
+/// Finds the first robot of each robot's set, coupled by contacts flagged `active`, and by springs if `by_springs`.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
-  int spring = -1;                                // a spring between points: acts on its ends that are on `island` ...
-  Vec3<double> direction = Vec3<double>::Zero();  // ... along this direction in the world, oppositely on B's end
-  int coordinate = -1;                            // a joint: the index of its coordinate in the scene's v
+  int spring = -1;                                // a spring between points: the force acts on its ends on `island`
+  Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; the opposite on B's end
+  int coordinate = -1;                            // a joint: index of its coordinate in the scene's v
   int island = -1, number = 0;                    // set by UnitTorques; forces of one number are on different islands
 };
 
@@ -27,19 +26,19 @@ class UnitTorques {
   void add(const UnitForce& force, double amount);
   /// Returns U x of the added forces (nv). It is valid until the next call.
   const Eigen::VectorXd& torques();
-  /// Takes a velocity or acceleration (nv); `along` returns its components along forces. Clears the sum.
+  /// Stores a velocity or acceleration (nv), of which `along` returns components. Clears the sum.
   void look(const Eigen::VectorXd& a);
   double along(const UnitForce& force) const;
   /// Returns the component along a spring for its ends on an island; -1: for both ends.
   double along(int spring, const Vec3<double>& direction, int island) const;
-  /// Assigns robots to islands: contacts flagged `active` join them.
+  /// Assigns robots to islands, which contacts flagged `active` couple.
   void find_islands(const Scene& scene, const std::vector<char>& active);
   /// Returns the island of a spring's end, or -1 if the end is fixed to the world.
   int island_of(int spring, int end) const { return island_of_end_[end][spring]; }
   /// Adds the forces on a spring's ends, one for each of their islands, or the force on a joint, and numbers them.
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);
   void add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to);
-  /// begin_numbers: call it before the first of these. numbers: how many numbers were given.
+  /// begin_numbers resets the numbering of forces; numbers returns the count of numbers used.
   void begin_numbers() { std::ranges::fill(count_, 0), most_ = 0; }
   int numbers() const { return most_; }
 
@@ -47,9 +46,9 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  std::vector<int> push_[2];           // one entry per spring: wrench on A's end, on B's; -1: fixed to the world
-  std::vector<int> island_of_end_[2];  // one entry per spring: island of A's end, of B's; -1: fixed to the world
-  Scene ends_;                         // the robots, with an external wrench in world axes at each end that moves
+  std::vector<int> push_[2];           // one entry per spring: wrench on the end; -1: fixed to the world
+  std::vector<int> island_of_end_[2];  // one entry per spring: island of the end; -1: fixed to the world
+  Scene ends_;                         // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;
   AppliedScratch scratch_;
   std::vector<int> robots_;

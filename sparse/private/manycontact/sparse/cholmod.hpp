@@ -2,9 +2,8 @@
 // CHOLMOD's simplicial LDL' in three calls: analyse a pattern once, factorize values often, solve. Source: Chen, Davis,
 // Hager, Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
-// Memory is taken by the constructors; factorize and solve allocate nothing. Where memory runs out std::bad_alloc is
-// thrown, and the same object may be called again. std::runtime_error is thrown where CHOLMOD refuses for another
-// reason (sizes beyond its integers).
+// The constructors allocate all memory, factorize and solve none. If memory runs out, std::bad_alloc is thrown and the
+// object remains usable; std::runtime_error if CHOLMOD fails otherwise (sizes beyond its integers).
 
 #include <memory>
 
@@ -12,8 +11,7 @@
 
 namespace manycontact::sparse {
 
-/// Analysis of the pattern alone, whose rows stay in their order. Constant: any number of Cholmods may share one, in
-/// any number of threads.
+/// Symbolic analysis of a pattern in its given order. It is constant: Cholmod objects of any threads may share it.
 class CholmodSymbolic {
  public:
   explicit CholmodSymbolic(const UpperCsc& pattern);
@@ -31,8 +29,7 @@ class CholmodSymbolic {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The factor of one symmetric matrix whose leading minors are not zero, e.g. a quasi-definite one, and the memory to
-/// solve with it: one thread at a time.
+/// The factor of one symmetric matrix with non-zero leading minors (e.g. quasi-definite), with one thread's workspace.
 class Cholmod {
  public:
   explicit Cholmod(std::shared_ptr<const CholmodSymbolic> symbolic);
@@ -40,13 +37,13 @@ class Cholmod {
   Cholmod(Cholmod&&) noexcept;
   Cholmod& operator=(Cholmod&&) noexcept;
 
-  /// Numeric factorization of the values Ax in the pattern's slots. False when a pivot is zero.
+  /// Computes the numeric factorization of the values Ax in the pattern's slots. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
   /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
   void solve(double* X, int cols);
   /// Copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// Computes the terms of the pivots, as pivot_terms in ldl.hpp (n).
+  /// Computes the terms of the pivots (n), as pivot_terms in ldl.hpp.
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;
 

@@ -1,6 +1,5 @@
 #pragma once
-// Eigen's dense decompositions of matrices of double are compiled once, in decompositions.cpp: elsewhere they would take
-// half a minute of each build.
+// Eigen's dense decompositions of doubles are compiled once, in decompositions.cpp: half a minute less for each build.
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

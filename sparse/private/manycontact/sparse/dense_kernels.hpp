@@ -33,7 +33,7 @@ struct DenseKernels {
                      double* scale_t);
 };
 
-/// The kernels of the widest level that this processor has.
+/// The kernels of the widest instruction level that this processor supports.
 const DenseKernels& dense_kernels();
 
 }  // namespace manycontact::sparse

@@ -1,7 +1,7 @@
 #pragma once
-// A = L D L^T of a symmetric matrix in the order given, by SuiteSparse's LDL. No pivoting: whether the pivots were
-// sound is for the caller to judge from D (its signs are A's inertia) and from pivot_terms. Source: Davis,
-// Algorithm 849: a concise sparse Cholesky factorization package (2005).
+// A = L D L^T of a symmetric matrix in the given order, by SuiteSparse's LDL, without pivoting. The caller judges the
+// pivots by D (its signs give A's signature) and pivot_terms. Source: Davis, Algorithm 849: a concise sparse Cholesky
+// factorization package (2005).
 
 #include <vector>
 
@@ -9,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// Analysis of the pattern alone. Constant; shared by all matrices of the pattern.
+/// Symbolic analysis of a pattern: constant, and shared by all matrices with that pattern.
 struct LdlSymbolic {
   int n = 0;
   std::vector<int> parent;      // elimination tree
@@ -18,11 +18,11 @@ struct LdlSymbolic {
   double flops = 0;             // cost of the numeric phase: sum of squared column counts, without relaxed zeros
 
   int nonzeros() const { return Lp.empty() ? 0 : Lp.back(); }
-  /// Column k's pattern is k + 1 and that of column k + 1.
+  /// Whether the pattern of column k consists of row k + 1 and the pattern of column k + 1.
   bool nests(int k) const { return k + 1 < n && parent[k] == k + 1 && Lp[k + 1] - Lp[k] == Lp[k + 2] - Lp[k + 1] + 1; }
 };
 
-/// Scratch memory of factorization, for matrices up to the largest it was made for.
+/// Workspace of a factorization. reserve enlarges it if a matrix needs more.
 struct LdlWorkspace {
   std::vector<double> Y;
   std::vector<int> pattern, flag, Lnz, Li;
@@ -30,23 +30,22 @@ struct LdlWorkspace {
 };
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
-/// Fills Rp, Rj, Rk from the columns' rows. The columns of a row are in ascending order; each column precedes those
-/// that depend on it.
+/// Fills Rp, Rj, Rk from Lp and Li. The columns of a row are ascending, so that each precedes those that depend on it.
 void list_rows(LdlSymbolic& L);
 
-/// L's size as that analysis would find it, in the terms of LdlSymbolic.
+/// The size of L as ldl_analyze would find it; members as in LdlSymbolic.
 struct LdlCounts {
   double nonzeros = 0, flops = 0;
-  // once columns whose patterns are nearly one share it (sparse/relaxed_supernodes.hpp): blocks of columns, and the sum
-  // of their rows below squared, entries that a block changes elsewhere
+  // relaxed supernodes (sparse/relaxed_supernodes.hpp): the number of blocks of columns, and the sum over blocks of
+  // (rows below)^2, the entries that a block updates in other columns
   double blocks = 0, scattered = 0;
 };
-/// Takes time and memory of A's entries, however many L has. Source: Gilbert, Ng, Peyton, An efficient algorithm to
-/// compute row and column counts for sparse Cholesky factorization (1994).
+/// Computes L's size in time and memory proportional to A's entries. Source: Gilbert, Ng, Peyton, An efficient
+/// algorithm to compute row and column counts for sparse Cholesky factorization (1994).
 LdlCounts ldl_count(const UpperCsc& A);
 
-/// Lx: nonzeros(), D: n. Returns n, or the column whose pivot is exactly zero (then L, D are not usable).
-/// Allocates nothing once the workspace is large enough.
+/// Computes Lx (nonzeros()) and D (n). Returns n, or the column whose pivot is exactly zero (L and D are then
+/// unusable). Allocates nothing once the workspace is large enough.
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
@@ -65,13 +64,13 @@ void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, d
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 
-/// The terms of the pivots, terms_k = |A_kk| + sum_j L_kj^2 |D_j| (n): a pivot of eps times its terms is noise.
+/// Computes the pivots' terms_k = |A_kk| + sum_j L_kj^2 |D_j| (n). A pivot of eps times its terms is noise.
 void pivot_terms(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx, const double* D,
                  double* terms);
 
-/// c such that whatever is solved for with a computed factor solves (A + dA) x = b, |dA| <= c |L||D||L^T|: so the
-/// backward error of every column of a panel is bounded beforehand. Each entry of L D L^T and each row of the two
-/// sweeps is a sum of products, in any order, with at most so many roundings u = eps/2. Source: Higham, Accuracy and
+/// Returns c such that each solution x by a computed factor solves (A + dA) x = b exactly, with |dA| <= c |L||D||L^T|.
+/// This bounds the backward error of every column of a panel in advance. Each entry of L D L^T and each row of the two
+/// sweeps is a sum of products, in any order, whose roundings u = eps/2 are counted. Source: Higham, Accuracy and
 /// Stability of Numerical Algorithms, 2nd edition, lemma 8.4, theorems 9.3 and 9.4.
 double ldl_rounding(const LdlSymbolic& symbolic);
 

@@ -1,12 +1,11 @@
 #pragma once
-// A = L D L^T by a compiled schedule, and solves with it, for any value V: a double, or a pack of doubles that belong
-// to as many matrices of one pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), and multiply_add(a, b, c) =
-// a b + c and subtract_product(a, b, c) = c - a b rounded as those of double are, absolute(a), found by its namespace.
+// A = L D L^T by a compiled schedule, and solves with it, for a value type V: a double, or a pack of doubles, each of
+// which belongs to another matrix of the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a),
+// and, rounded as for doubles, multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b.
 //
-// Each matrix of a pack sees the same operations in the same order as a double does: it has the same factor, bit for
-// bit, alone and among others. Doubles are worked on several rows of a column at a time.
-//
-// Compiled for several instruction levels too: templates only, plain memory, no other library.
+// Each matrix of a pack undergoes the same operations in the same order as a single matrix: the factors agree bit for
+// bit. For doubles, several rows of a column are computed at a time. This header is compiled for several instruction
+// levels: it has templates and plain memory only, no other library.
 
 #include <type_traits>
 
@@ -17,8 +16,7 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += the sum over columns c of u[c stride] times the rows at x. The rows of column c + 1 start `step - c` behind
-/// those of column c.
+/// t += sum over columns c of u[c stride] times the rows at x; rows of column c + 1 start `step - c` behind column c's.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -35,7 +33,7 @@ struct Inverse {
   }
 };
 
-/// Eliminates the columns within a block, each with those before it. first: the number of the block's first column.
+/// Eliminates the columns of a block, each after its updates by earlier ones. first: number of the first column.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // -L_ac D_c
@@ -43,7 +41,7 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a;  // one past L_ac: L may be null where it has no entries
+    const V* l = L + a;  // one past L_ac, since L may be null if it has no entries
     for (int c = 0; c < a; ++c) {
       u[c] = -(l[-1] * D[c]);
       d = multiply_add(l[-1], u[c], d);
@@ -63,7 +61,7 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   }
 }
 
-/// Updates columns of another block: N of them, which are rows a ... a+N-1 below this one.
+/// Updates N columns of another block, which are the rows a ... a+N-1 below this block.
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
@@ -98,7 +96,7 @@ inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& 
   }
 }
 
-/// A block of x = L \ x. own: the block's rows of x.
+/// Forward sweep x <- L^-1 x of one block. own: the block's rows of x.
 template <class V>
 inline void forward(int width, int below, const V* L, const LdlSchedule::Run* run, const LdlSchedule::Run* end, V* own,
                     V* x) {
@@ -123,7 +121,7 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
     });
 }
 
-/// A block of x = L^T \ (D \ x): the rows below it four at a time, then its own, the last one last.
+/// Backward sweep x <- L^-T D^-1 x of one block. For each column the rows below the block are first, four at a time.
 template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
@@ -157,11 +155,11 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 
 }  // namespace kernel
 
-/// A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx: as LdlSymbolic has it, D, scale:
-/// n. Goes on where a pivot is zero: L and D are not finite then, and the caller judges D and scale. A: of A's entries,
-/// which may be of higher precision. inverse_of(k, D_k, scale[k]): the inverse pivot of row k; a row whose inverse is
-/// zero is not eliminated, its column of L is zero. Where it has stops(), the factor ends after a block that that is
-/// true of: rows behind it are not eliminated.
+/// Computes A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx is ordered as in
+/// LdlSymbolic; D and scale have n entries. A is the type of A's entries, possibly of higher precision. After a zero
+/// pivot the elimination continues: L and D are then not finite, and the caller must check D and scale. inverse_of(k,
+/// D_k, scale[k]) returns the inverse pivot of row k. If it is zero, row k is not eliminated, and its column of L is
+/// zero. If inverse_of has stops(), the factorization ends after the first block for which stops() is true.
 template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
                           InverseOf inverse_of = {}) {
@@ -197,8 +195,7 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
   }
 }
 
-/// x <- L^-1 x. If only the first columns are eliminated, the last entries of x become the right-hand side of the Schur
-/// complement.
+/// x <- L^-1 x. After partial elimination, the last entries of x become the Schur complement's right-hand side.
 template <class V>
 void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -209,8 +206,7 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   }
 }
 
-/// x <- L^-T D^-1 x. If only the first columns are eliminated, the last entries of x must be the solution of the Schur
-/// complement.
+/// x <- L^-T D^-1 x. After partial elimination, the last entries of x must be the Schur complement's solution.
 template <class V, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -240,7 +236,7 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|, as residual, or r alone. All of length A.n.
+/// Computes r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j| unless it is NoSizes. All have length A.n.
 struct NoSizes {};
 template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},

@@ -1,9 +1,8 @@
 #pragma once
-// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule: four rows
-// at a time, so that a row read from the cache serves as many. Also the accuracy of such solves. For any value V, as in
-// ldl_kernels.hpp: packs solve as many panels at once.
-//
-// Compiled for several instruction levels: templates only, plain memory, no other library.
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule, and the sums
+// that bound their errors. Four rows are computed at a time, so that a row read from the cache is used four times. The
+// value type V is as in ldl_kernels.hpp; with packs, several panels are solved at once. This header is compiled for
+// several instruction levels: it has templates and plain memory only, no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 
@@ -11,12 +10,12 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// Columns at a time, and rows: as many as fit in the machine's registers, together with their operands.
+/// Columns and rows computed at a time: as many as fit in the processor's registers, together with their operands.
 inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
-/// Rows r ... r+R-1 of a block whose column c (of begin ... end-1) starts at L_c: t -= L x, x the block's own rows.
-/// at: in Lx, row r of column `begin`, if there is any; column c + 1 of a row is `step - c` behind column c's.
-/// Works on M of N adjacent columns.
+/// Subtracts L x from R rows of a block, r ... r+R-1, where x are the block's own rows begin ... end-1. at: index in Lx
+/// of row r in column `begin`; the row's entry of column c + 1 is `step - c` behind that of column c. M of N adjacent
+/// columns of the panel are computed.
 template <int R, int N, int M, class V>
 [[gnu::always_inline]] inline void subtract_columns(Tile<V, M>* t, const V* Lx, int at, int step, int begin, int end,
                                                     const V* own) {
@@ -29,7 +28,7 @@ template <int R, int N, int M, class V>
   }
 }
 
-/// X = L \ X for a block. from: its first row that may be other than zero.
+/// X = L \ X for a block. from: the block's first row that may be non-zero.
 template <int N, int M, class V>
 inline void forward_panel(const LdlSchedule& schedule, int block, int from, const V* Lx, V* X) {
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
@@ -68,8 +67,8 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
     });
 }
 
-/// The R columns of a group, once those behind them are known: rows of X = L^T \ (D \ X).
-/// l: the group's packed entries. reached: as solve_columns has it. store(row, its values).
+/// Computes the R rows of a group in X = L^T \ (D \ X), after all rows behind them. l: the group's packed entries.
+/// reached: whether the rows may be non-zero before the division by pivots. Calls store(row, its values).
 template <int R, int N, int M, class V, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
                                                  const V* l, const V* inverse, bool reached, V* X, Store&& store) {
@@ -87,7 +86,7 @@ template <int R, int N, int M, class V, class Store>
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
     }
   }
-  // row j of those among themselves: l + (j - 1) R
+  // the group's entries of its own row j start at l + (j - 1) R
 #pragma GCC unroll 8
   for (int i = R - 1; i >= 0; --i) {
 #pragma GCC unroll 8
@@ -97,10 +96,10 @@ template <int R, int N, int M, class V, class Store>
   }
 }
 
-/// X = A \ X for N columns, M of them in registers at a time: X is n x N, in A's order. packed: of L (ldl_pack);
-/// inverse: of the pivots. Rows that `reached` does not flag are zero before they are divided by the pivots
-/// (ldl_scheduled_reach); rows of a block without any flag may have any value. Calls store(k, row k of the solution as
-/// a tile) with M columns, as each row is known.
+/// X = A \ X for an n x N panel X in A's order, M columns in registers at a time. packed: L's entries from ldl_pack.
+/// inverse: inverse pivots. Rows without a flag in `reached` (ldl_scheduled_reach) are zero before the division by
+/// pivots; rows of a block without any flag may have any value. Calls store(k, row k of the solution as a tile) with M
+/// columns, as soon as the row is known.
 template <int N, int M = N, class V, class Store>
 inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* packed, const V* inverse,
                           const char* reached, V* X, Store&& store) {
@@ -129,7 +128,7 @@ inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* pac
 
 }  // namespace kernel
 
-/// L's entries as LdlSchedule::packed has them.
+/// Copies L's entries to `packed`, in the order of LdlSchedule::packed.
 template <class V>
 void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
   const int* slot = schedule.packed.data();
@@ -137,7 +136,7 @@ void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
   for (int k = 0; k < count; ++k) packed[k] = slot[k] < 0 ? V{} : Lx[slot[k]];
 }
 
-/// Sums of the rows of |L||D||L^T| and of |A|, of n. For any value V, as in ldl_kernels.hpp.
+/// Computes the sums of the rows of |L||D||L^T| and of |A| (n each). The value type V is as in ldl_kernels.hpp.
 template <class V>
 void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, const V* Lx, const V* D, V* of_factor,
                   V* of_A) {

@@ -1,6 +1,5 @@
 #pragma once
-// Requests for more memory than the machine has are refused early: the system would grant them and end the program
-// later.
+// Requests for more memory than the machine has are refused: the system would grant them and kill the process later.
 
 #include <cstddef>
 #include <memory>
@@ -16,10 +15,10 @@ struct TooLarge : std::bad_alloc {
   char text_[120];
 };
 
-/// Doubles that start at a cache line, in large pages where the system has them. Their values are not kept.
+/// Doubles aligned to a cache line, in large pages if the system has them. Growing does not keep their values.
 class LargeMemory {
  public:
-  /// Memory for `count`; allocates where there was less.
+  /// Ensures memory for `count` doubles; allocates only if there is less.
   void reserve(std::size_t count);
   double* data() const { return data_.get(); }
 
@@ -31,7 +30,7 @@ class LargeMemory {
   std::size_t size_ = 0;
 };
 
-/// Throws TooLarge when `bytes` are more than this machine's memory.
+/// Throws TooLarge if `bytes` exceed this machine's memory.
 void require_memory(double bytes);
 
 }  // namespace manycontact::sparse

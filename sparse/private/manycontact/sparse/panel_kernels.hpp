@@ -9,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// n, or the next multiple of eight: rows of a panel.
+/// Rounds n up to a multiple of eight, as for the rows of a panel.
 constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 struct PanelKernels {
@@ -32,8 +32,8 @@ struct PanelKernels {
                         double* work);
   /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
-  /// H = L^T R, of which the upper triangle alone is known to be right: blocks of eight rows from their diagonal on.
-  /// L, R: depth x ld; H: ld x ld. cols: of all three, with ld >= cols a multiple of eight.
+  /// Computes H = L^T R, but only its upper triangle, in blocks of eight rows from their diagonal on. L, R: depth x ld;
+  /// H: ld x ld. cols: used columns of all three, with ld >= cols a multiple of eight.
   void (*upper_product)(const double* L, const double* R, int depth, int cols, int ld, double* H);
   /// H = L^T R. L: depth x ldl, of which the first `rows` columns; R: depth x ld, H: rows x ld, of which the first
   /// `cols` columns, with ld >= cols a multiple of eight.
@@ -53,7 +53,7 @@ struct PanelKernels {
   }
 };
 
-/// The widest level that runs here.
+/// The kernels of the widest instruction level that this processor supports.
 const PanelKernels& panel_kernels();
 /// Returns all instruction levels of this build that the processor supports, the widest first.
 std::span<const PanelKernels* const> panel_levels();

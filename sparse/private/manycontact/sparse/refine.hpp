@@ -1,6 +1,6 @@
 #pragma once
-// Iterative refinement, for any right-hand side (a vector, a panel, a dense matrix) in any scalar: both are the
-// caller's, here is when to stop. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
+// Iterative refinement for any scalar and right-hand side (vector, panel, dense matrix). The caller computes residuals
+// and corrections. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
 
 #include <span>
 
@@ -8,15 +8,14 @@ namespace manycontact::sparse {
 
 struct Refinement {
   int steps = 0;                         // corrections made
-  double backward_error = 0, first = 0;  // last, and before the first step
+  double backward_error = 0, first = 0;  // error after the last correction; before the first one
 };
 
-/// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
-/// error. In the last case only rounding errors remain, or the factor is too inaccurate to help; the last correction is
-/// kept.
+/// Refines x until the error is at most `small`, after max_steps corrections, or after one that does not halve the
+/// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
 ///
-/// residual(): r <- b - A x, returns its relative size as a double; NaN ends the refinement. Errors of wider scalars
-/// may be cast: a double's relative sizes reach down to 1e-308.
+/// residual(): r <- b - A x; returns its relative size as a double. NaN ends the refinement. Errors of wider scalars
+/// may be cast, since a double's relative sizes reach down to 1e-308.
 /// correct():  x += A^-1 r.
 /// residual is called steps + 1 times, the last time after the last correction.
 template <class Residual, class Correct>
@@ -33,9 +32,8 @@ Refinement refine(int max_steps, double small, Residual&& residual, Correct&& co
   return out;
 }
 
-/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|. Rows whose scale is below
-/// eps times the largest count as if it were eps times the largest. NaN when r or scale is not finite. largest: of the
-/// system's rows that are not among these.
+/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|, but at least eps times the
+/// largest scale. NaN if r or scale is not finite. largest: the largest scale of the system's other rows.
 double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest = 0);
 
 }  // namespace manycontact::sparse

@@ -1,7 +1,6 @@
 #pragma once
-// Values in registers: a tile of N doubles in the machine's own vectors, or of N packs, and what kernels do with them.
-//
-// Compiled for several instruction levels: templates only, plain memory, no other library.
+// Tiles: N doubles in SIMD registers, or N packs, with the operations that the kernels need. This header is compiled
+// for several instruction levels: it has templates and plain memory only, no other library.
 
 #include <cstddef>
 #ifdef __SSE2__
@@ -10,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// a b + c: fused where the machine does.
+/// a b + c, fused if the processor can.
 inline double multiply_add(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -32,7 +31,6 @@ inline float absolute(float x) { return __builtin_fabsf(x); }
 
 namespace kernel {
 
-/// N values in registers.
 template <class V, int N>
 struct Tile {
   V v[N];
@@ -89,10 +87,10 @@ struct Register<8> {
   typedef double Vector __attribute__((vector_size(64), aligned(8), may_alias));
 };
 
-/// Doubles in the machine's own vectors.
+/// N doubles in SIMD registers.
 template <int N>
 requires(N > 1) struct Tile<double, N> {
-  // Few rows are read again soon, a row further: registers of eight would wait for two stores then.
+  // Short tiles are soon loaded again, shifted by a row: a load of eight doubles would wait for two stores.
   static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
   static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
   using Vector = typename Register<kWidth>::Vector;
@@ -138,7 +136,7 @@ requires(N > 1) struct Tile<double, N> {
   void store(double* x) const {
     for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
   }
-  /// Past the caches, to an address that is a multiple of a register's size. Other threads see it by finish_streams.
+  /// Stores past the caches, to an address aligned to a register. Other threads see the values after finish_streams.
   void stream(double* x) const {
 #ifdef __SSE2__
     for (int k = 0; k < kVectors; ++k) {
@@ -178,9 +176,8 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over one matrix, the same entries of another matrix with the same pattern, at a given
-/// offset in bytes. The other matrix is used next and is no longer in the nearest cache. By default nothing is
-/// prefetched.
+/// Prefetches, during a sweep over one matrix, the same entries of the matrix that is used next, has the same pattern
+/// and is no longer in the nearest cache; bytes: its offset. By default nothing is prefetched.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>
@@ -199,13 +196,13 @@ struct NoPrefetch {
   void fetch_to_write(const V*) const {}
 };
 
-/// Rows at a time; the remainder by halves.
+/// Rows computed at a time; a remainder is halved repeatedly.
 template <class V>
 inline constexpr int kRows = 4;
 template <>
 inline constexpr int kRows<double> = 8;
 
-/// Calls f(first, Tile size as an integral constant) for chunks of 0 ... count-1.
+/// Calls f(first, Size<n>) for chunks of n = N, N/2, ..., 1 of begin ... end-1.
 template <int N>
 struct Size {
   static constexpr int value = N;

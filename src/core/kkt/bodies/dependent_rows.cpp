@@ -22,7 +22,7 @@ void add(V6 S, Basis& basis) {
   if (basis.rank < 6 && S.norm() > tolerance::kRank * length) basis.Q.col(basis.rank++) = S.normalized();
 }
 
-// How each body can move by the joints above it: orthonormal bases of its motions, about its own origin.
+// Computes orthonormal bases of the motions of each body by the joints above it, about the body's origin.
 void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   const BodyPattern& p = *s.pattern;
   bases.resize(p.nodes);
@@ -35,7 +35,7 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// Part of a force on a body that moves any joint, relative to its size.
+// Part of a force on a body that drives any joint, relative to the force's size.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
   for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
@@ -47,8 +47,7 @@ template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // bases
-  // Walks towards the base until an entry of J is plainly not zero; after kManyJoints a basis of the body's motions
-  // decides.
+  // Walks towards the base until an entry of J is certainly non-zero; after kManyJoints joints a basis decides.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -72,12 +71,12 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
     if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
 }
 
-// Whether one end of a row is fixed to the world or to a base.
+// Whether one end of a row is in the world or on a fixed base.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
 // Rows whose forces, multiplied by the coefficients that `solve` finds, balance each other: they cause no torque at the
-// joints between their bodies, and no force beyond the last body. The rows are few, but the joints may be many; their
-// equations are made triangular one after another.
+// joints between their bodies, and no force beyond the last body. The rows are few, but the joints may be many: their
+// equations are reduced to triangular form whenever the memory is full.
 class Balance {
  public:
   Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
@@ -85,14 +84,14 @@ class Balance {
   }
 
   int node() const { return node_; }
-  /// False where these are too many.
+  /// Adds a row that ends at the node; returns false if there are too many.
   bool add(int row) {
     if (count_ == kRows) return false;
     row_[count_] = row;
     F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
     return true;
   }
-  /// The node's joint, and on to its parent.
+  /// Adds the equations of the node's joint, and moves to the node's parent.
   void pass() {
     const BodyPattern& p = *s_.pattern;
     for (int k = p.first_dof[node_]; k < p.first_dof[node_] + p.ndof[node_]; ++k)
@@ -100,8 +99,7 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Calls put(row, coefficient); the first row's coefficient is 1. Returns false if the rows do not balance up to
-  /// rounding errors.
+  /// Calls put(row, coefficient), 1 for the first row. Returns false if the rows do not balance up to rounding errors.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -130,7 +128,7 @@ class Balance {
       A_.leftCols(count_) = qr.matrixQR().template triangularView<Eigen::Upper>();
       equations_ = count_;
     }
-    A_.row(equations_).setZero();  // rows to come have no part in it
+    A_.row(equations_).setZero();  // rows added later have no part in it
     for (int k = 0; k < count_; ++k) {
       A_(equations_, k) = of(F_[k]);
       largest_ = std::max(largest_, std::abs(A_(equations_, k)));
@@ -146,8 +144,8 @@ class Balance {
   double largest_ = 0;
 };
 
-// The null-space column of a dropped row that follows from the rows of body drop.node: the column has rows that
-// were not dropped before. No coordinate between the two nodes moves.
+// Computes the null-space column of a dropped row from rows of the bodies between the row's own node and drop.node,
+// which were not dropped before. No coordinate between the two nodes moves.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -165,7 +163,7 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// Builds N backwards: a row used in one column may itself be dropped later, and its own column then replaces it.
+// Builds N backwards: a row used in one column may itself be dropped later; its own column then replaces it.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
   rank::DependentRows& rows = work.rows;
@@ -191,7 +189,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
       if (row == drop.row || column[row] < 0) return add(row, value);
       for (int q = rows.Np[column[row]] + 1; q < rows.Np[column[row] + 1]; ++q) add(rows.Ni[q], -value * rows.Nx[q]);
     };
-    if (drop.node == p.nodes)  // it moves nothing
+    if (drop.node == p.nodes)  // the row moves nothing
       put(drop.row, 1.0);
     else if (!null_column(s, drop, dropped_at, put))
       return false;
@@ -208,8 +206,8 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Subtracts from `rows` the motion that the bodies' accelerations cause, computed without any joints. motion: these
-// accelerations.
+// Subtracts from x.rows the motion that the bodies' accelerations b.motion cause while all joints are at rest.
+// x.motion: the bodies' accelerations.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -220,7 +218,7 @@ void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   }
 }
 
-// The bodies' forces of x's accelerations and rows.
+// Computes the bodies' forces x.force from x's accelerations and contact forces.
 void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -232,7 +230,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Finds the redundant rows among those between node i and fixed bodies. The largest rows are kept first.
+// Finds the redundant rows among those between node i and immovable bodies. The largest rows are kept first.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -314,7 +312,7 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
-  // |J| |a| by recursion: each body's |X| |parent's| + |S| |a|, which no cancellation between joints makes small
+  // |J| |a| by recursion: each body's |X| |parent's| + |S| |a|, which cancellation between joints does not reduce
   auto& size = v.dx.motion;
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();

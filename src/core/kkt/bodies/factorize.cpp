@@ -42,12 +42,12 @@ namespace {
 using V6 = Vec6<double>;
 using M6 = Mat6<double>;
 
-// The rows of one node: positions 0 ... m-1.
+// The rows at one node, in positions 0 ... m-1.
 struct Rows {
   int m, ld;
   int* row;
   V6 *G, *H;
-  double *W, *E;  // m x ndof, m x ld, symmetric while rows are open
+  double *W, *E;  // m x ndof; m x ld, symmetric while rows are open
 
   double& e(int i, int j) { return E[static_cast<std::ptrdiff_t>(i) * ld + j]; }
 };
@@ -74,7 +74,7 @@ void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   add(5, P.col(5) + (x * P.col(1) - y * P.col(0)));
 }
 
-// Q = Y.
+// Q = Y as a matrix.
 void set(const Inertia<double>& Y, M6& Q) {
   using pairs::Two;
   const double m = Y.m, x = Y.h[0], y = Y.h[1], z = Y.h[2];
@@ -87,7 +87,7 @@ void set(const Inertia<double>& Y, M6& Q) {
   column(5, Two{-y, x}, Two{0, Y.I(0, 2)}, Two{Y.I(1, 2), Y.I(2, 2)});
 }
 
-// Appends row k at a node, with nothing of its own yet.
+// Appends row k at a node, with zero entries.
 int open_row(Rows& at, int k, std::vector<int>& place) {
   const int n = at.m++;
   at.row[n] = k;
@@ -129,7 +129,7 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   d.count[i] = at.m;
 }
 
-// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T. size: of the terms of P's diagonal.
+// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T; false if D is not positive. size: P's terms.
 template <int N>
 bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size, Rows& at, M6& P) {
   using Square = Eigen::Matrix<double, N, N>;
@@ -156,7 +156,7 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   }
   const Eigen::Matrix<double, 6, N> UD = U * Dinv;
   P.noalias() = d.P[i] - UD * U.transpose();
-  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // asymmetry grows along thousands of links
+  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // otherwise asymmetry would grow along thousands of links
   if (at.m == 0) return true;
   Eigen::Map<Eigen::Matrix<double, N, Eigen::Dynamic>> W(at.W, N, at.m);
   for (int k = 0; k < at.m; ++k) {
@@ -185,7 +185,7 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// The inverse of what row k would have if its body were free, by the diagonal of P alone, of which `inverse` is.
+// The compliance of a free body along the row G, by the diagonal of P alone. inverse: reciprocals of that diagonal.
 double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
@@ -196,11 +196,11 @@ double compliance(const V6& G, const V6& inverse) {
   return sum[0] + sum[1];
 }
 
-// Least part of a row's pivot relative to all that joints gave it: rows eliminated before stiffened the bodies by up to
-// `growth`, and rounding errors of what they took away grow with its square; those of what joints gave the row, with
-// the spread of their inertias. The error of a small pivot is as much larger in the rows after it
-// (kkt/factor/pivots.hpp): least is the smallest part left of the pivots before, at the same node, and below it where
-// rows there are dropped. (Loops along a chain leave less and less, and are right.)
+// Least part of a row's pivot that must be left, relative to all that the joints contributed. Rows eliminated before
+// have stiffened the bodies by up to `growth`, and rounding errors grow with its square; errors of the joints'
+// contributions grow with the spread of their inertias. The error of a small pivot is larger by its inverse in later
+// rows (kkt/factor/pivots.hpp): `least` is the smallest part left of earlier pivots at this node, and below it if rows
+// were dropped there. Loops along a chain leave less and less, yet are accurate.
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
@@ -210,7 +210,7 @@ double least_left(const BodyLdl& d, int row, double least) {
 
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
-// Eliminates, the best first, the rows from position `at.m` on that are complete and have received their pivot.
+// Eliminates the complete rows from position 0 on whose pivots are sufficient, the best first.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
@@ -227,7 +227,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints to come
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints further up
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
@@ -250,7 +250,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   return true;
 }
 
-// Rows open at the bases: E y = -g.
+// Eliminates the rows still open at the bases: E y = -g.
 bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
@@ -292,8 +292,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether a row from below is a combination of the rows that already constrain body i (their span is Q): no joint below
-// has moved its body, and all of it is along Q.
+// Whether a row from below depends on the rows that already constrain body i, whose span is Q: no joint below has moved
+// its body, and all of the row is in the span.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
@@ -303,7 +303,7 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
 
-// N C N and N G_j in place of C and G_j (BodyHold).
+// Replaces C and G_j by N C N and N G_j (BodyHold).
 void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
@@ -378,7 +378,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     project(system, d, i, drop, at);
     d.eliminated[i] = 0;
     const V6 inverse = d.P[i].diagonal().cwiseInverse();
-    for (int k = 0; k < at.m; ++k)  // adds the pivot that a row on this body would have, were the body free
+    for (int k = 0; k < at.m; ++k)  // adds the pivot that a row on this body would have if the body were free
       if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.pivot_sum[at.row[k]] += compliance(at.G[k], inverse);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)

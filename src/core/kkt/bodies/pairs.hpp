@@ -1,7 +1,6 @@
 #pragma once
-// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product, of doubles, written by pairs of entries:
-// Eigen reads six-vectors by pairs, and a read must wait until both entries, written apart, have reached the cache.
-// Each entry is the same to the last bit.
+// motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product for doubles, equal to the last bit. They
+// write pairs of entries: Eigen reads six-vectors by pairs, and such a read stalls after separate writes.
 
 #include <cstring>
 
@@ -17,7 +16,7 @@ inline Two load(const double* x) {
   return t;
 }
 
-/// A six-vector of three pairs.
+/// Builds a six-vector from three pairs.
 [[gnu::always_inline]] inline Vec6<double> joined(Two a, Two b, Two c) {
   Vec6<double> out;
   std::memcpy(out.data(), &a, sizeof(a));
@@ -35,7 +34,7 @@ inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
 
 inline Two max(Two x, Two y) { return x < y ? y : x; }
 
-/// The largest of the linear and of the angular entries' sizes.
+/// The largest magnitudes of the linear and of the angular entries.
 [[gnu::always_inline]] inline Two sizes(const Vec6<double>& x) {
   const Two a = load(x.data()), b = load(x.data() + 2), c = load(x.data() + 4);
   const Two first{a[0], b[1]}, second{a[1], c[0]}, third{b[0], c[1]};
@@ -43,14 +42,14 @@ inline Two max(Two x, Two y) { return x < y ? y : x; }
   return max(absolute(first), max(absolute(second), absolute(third)));
 }
 
-/// [m + w x r; w] of m = [., w].
+/// [m + w x r; w] of a motion [m; w].
 [[gnu::always_inline]] inline Vec6<double> motion_at(const Vec6<double>& m, const Vec3<double>& r) {
   const double x = r[0], y = r[1], z = r[2], w0 = m[3], w1 = m[4], w2 = m[5];
   return joined(load(m.data()) + (Two{w1, w2} * Two{z, x} - Two{w2, w0} * Two{y, z}), Two{m[2] + (w0 * y - w1 * x), w0},
                 Two{w1, w2});
 }
 
-/// [f; . + r x f] of a force [f, .] at six doubles.
+/// [f; n + r x f] of a force [f; n] stored as six doubles.
 [[gnu::always_inline]] inline Vec6<double> force_from(const double* f, const Vec3<double>& r) {
   const double x = r[0], y = r[1], z = r[2], f0 = f[0], f1 = f[1], f2 = f[2];
   return joined(load(f), Two{f2, f[3] + (y * f2 - z * f1)},
@@ -60,7 +59,7 @@ inline Two max(Two x, Two y) { return x < y ? y : x; }
   return force_from(f.data(), r);
 }
 
-/// Y a
+/// The product Y a.
 [[gnu::always_inline]] inline Vec6<double> times(const Inertia<double>& Y, const Vec6<double>& a) {
   const double v0 = a[0], v1 = a[1], v2 = a[2], w0 = a[3], w1 = a[4], w2 = a[5];
   const double h0 = Y.h[0], h1 = Y.h[1], h2 = Y.h[2], *I = Y.I.data();

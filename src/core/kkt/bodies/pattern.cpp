@@ -63,11 +63,11 @@ void find_holds(BodyPattern& p) {
   }
 }
 
-// Rows by where they end.
+// Numbers of rows by the nodes at which they end.
 struct Ends {
-  std::vector<int> arriving;  // ends at a node, of rows that are not complete there
-  std::vector<int> alone;     // rows with one end
-  std::vector<int> meeting;   // rows of two that are complete here and no deeper
+  std::vector<int> arriving;  // ends at a node of rows that are not complete there
+  std::vector<int> alone;     // rows with one end, at that node
+  std::vector<int> meeting;   // rows with two ends that are complete at this node and at none below it
 };
 Ends find_ends(const BodyPattern& p) {
   Ends ends{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nodes)};
@@ -82,11 +82,11 @@ Ends find_ends(const BodyPattern& p) {
   return ends;
 }
 
-// How many rows are likely to be open where.
+// Estimates how many rows are open at each node.
 void count_open(BodyPattern& p, Ends ends) {
   std::vector<double> left(p.nodes, 0);  // complete rows that come from the children
   for (int i = p.nodes - 1; i >= 0; --i) {
-    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once: joints below move them
+    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once, since joints below move them
     const double open = complete + ends.arriving[i] + ends.meeting[i];
     const double kept =
         std::clamp(complete - costs::kBodyEliminated * p.ndof[i], 0.0, static_cast<double>(tolerance::kMostOpen));
@@ -99,13 +99,13 @@ void count_open(BodyPattern& p, Ends ends) {
   }
 }
 
-// How many rows may be open where.
+// Computes the most rows that may be open at each node, and the memory for them.
 void make_room(BodyPattern& p, Ends ends) {
   std::vector<int>& waiting = ends.arriving;
   std::vector<int> complete(p.nodes);
   int at_base = 0;
   for (int i = 0; i < p.nodes; ++i) complete[i] = ends.alone[i] + ends.meeting[i];
-  // a row that completes at a node is counted there by its ends as well: no harm
+  // a row that is complete at a node is counted there by its ends as well, which only takes memory
   p.most.resize(p.nodes);
   for (int i = p.nodes - 1; i >= 0; --i) {
     int own = 0;

@@ -7,7 +7,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// p and g_j from the children, with the acceleration along the rows that constrain node i inserted (BodyHold).
+// Computes p and g_j from the children for the acceleration that the constraint rows of node i prescribe (BodyHold).
 void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -36,7 +36,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// A step from the leaves to the root: the right-hand sides p and g for a node's parent.
+// One step from the leaves to the root: the right-hand sides p and g for a node's parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -65,7 +65,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   return p;
 }
 
-// Going from root to leaves: y of rows eliminated at a node, qdd, a, f. Input a: the parent's, about the node's origin.
+// One step from root to leaves: y of rows eliminated at a node, qdd, a, f. a: the parent's, about the node's origin.
 template <int N>
 void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
@@ -91,7 +91,7 @@ void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < m; ++k) f += d.G[at + k] * x.rows[d.row[at + k]];
 }
 
-// y of the rows that constrain node i, by its own equation.
+// Computes y of the rows that constrain node i from the node's own equation.
 void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -109,7 +109,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
-// y of the rows left at the bases.
+// Computes y of the rows left at the bases.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());
@@ -123,8 +123,8 @@ void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   }
 }
 
-// The backward sweep: x from the right-hand side that the forward sweep has reduced. dropped(i): a, f, qdd of node i
-// are known already; closed(i): so are the f of its children, and y at it.
+// Computes x from the right-hand side that the backward sweep has reduced. Calls dropped(i) once a, f, qdd of node i
+// are known, and closed(i) once the f of its children and y of its rows are known, too.
 template <class Dropped, class Closed>
 void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
                    Closed&& closed) {

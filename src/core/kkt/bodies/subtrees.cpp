@@ -25,12 +25,12 @@ std::vector<char> find_cuts(const BodyPattern& p) {
   return cut;
 }
 
-// Numbers of an island's nodes and rows in their subtrees.
+// Numbers of an island's nodes and rows within their subtrees.
 struct NodeNumbers {
   std::vector<int> subtree, node, row;
 };
 
-// Nodes and the cuts between them.
+// Numbers the nodes, and the cuts between subtrees.
 NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, BodySubtrees& out) {
   NodeNumbers at{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nc)};
   std::vector<int> below(p.nodes);
@@ -123,7 +123,7 @@ BodySubtrees split_bodies(const Island& island, const BodyPattern& whole) {
   std::vector<std::shared_ptr<const BodyPattern>> patterns;
   for (BodySubtree& subtree : out.subtrees) {
     BodyPattern p = pattern_of(whole, island, at, subtree);
-    std::vector<int> key{p.nodes};  // determines where each list ends
+    std::vector<int> key{p.nodes};  // the number of nodes determines where each list ends
     for (const std::vector<int>* list : {&p.parent, &p.ndof, &p.A, &p.B})
       key.insert(key.end(), list->begin(), list->end());
     const auto [found, is_new] = shapes.try_emplace(std::move(key), static_cast<int>(patterns.size()));

@@ -55,8 +55,8 @@ class DenseFactor final : public Factor {
   int own_refinements() const override { return 1; }
 
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
-  // Lists rows that depend on the ones before them, as other factors do: by Gram and Schmidt, twice. If doubt is left
-  // about the rank, lists the rows that pivoting rejected.
+  // Lists rows that depend on rows before them, as other factors do, by two passes of Gram-Schmidt. If fewer
+  // independent rows are found than the rank, lists the rows that pivoting rejected.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
     Eigen::MatrixXd Q(kkt_.nv(), rank());

@@ -11,8 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// Smallest Cholesky pivot, relative to the diagonal it came from; zero where one is denormal: of that no digit is
-// known.
+// The smallest Cholesky pivot relative to its diagonal entry; zero if a pivot is denormal and so has no digits.
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {
@@ -31,7 +30,7 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    // Made again, as resizing in place is not safe, and of a matrix, as Eigen leaves info() undefined without one.
+    // Constructed again: resizing in place is not safe, and without a matrix Eigen leaves info() undefined.
     if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
@@ -132,7 +131,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_dense_schur_factor();
     case Method::kSparseCholmod:
       return make_cholmod_factor(std::move(shape));
-    case Method::kSparseBodies:  // joint-space factor: another system solves where bodies cannot
+    case Method::kSparseBodies:  // joint-space factor: the system of bodies is another class
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

@@ -10,16 +10,16 @@
 
 namespace manycontact::internal {
 
-/// L and D of a pattern, and solves by them: by its compiled schedule where that is asked for and not too large.
+/// L and D of a pattern, and solves with them, by the pattern's compiled schedule if requested and not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
-  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's; nullptr: by sparse/ldl.hpp
+  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp is used
   std::vector<double> L, D;
   std::vector<int> same;  // 0, 1, 2 ...
 
-  /// method: kSparseLdl by the schedule, kSuiteSparseLdl without.
+  /// Prepares for a pattern. method: kSparseLdl uses the schedule, kSuiteSparseLdl does not.
   void take(const std::shared_ptr<const KktPattern>& p, Method method) {
-    pattern = nullptr;  // should memory run out
+    pattern = nullptr;  // memory may run out
     schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());
@@ -28,8 +28,8 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// L and D of A with values Ax, and the terms of the pivots in scratch.scale. False: a pivot is zero. least, most:
-  /// which rows are not eliminated, as PanelKernels::factor has them.
+  /// Computes L and D of A with values Ax, and the terms of the pivots in scratch.scale. Returns false if a pivot is
+  /// zero. least, most: which rows are not eliminated, as in PanelKernels::factor.
   bool factor(const double* Ax, const double* least, int most, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
@@ -71,8 +71,7 @@ struct LdlNumbers {
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
-  /// Memory of panels, which the factors of a thread share: it stays in the cache. For refinement too: a later state
-  /// may need it, and must not allocate.
+  /// Memory for panels, shared by a thread's factors to remain in the cache; enough for refinement at a later state.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

@@ -1,5 +1,5 @@
 #pragma once
-// The pivots of an island's K, judged (rank/pivots.hpp).
+// Checks of the pivots of an island's K (rank/pivots.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +9,14 @@
 
 namespace manycontact::internal {
 
-/// K's inertia must be (nv, nc, 0), and no pivot lost in cancellation. scratch.scale: the pivots' terms. L: nullptr
-/// where it is not available.
+/// Checks that K's signature is (nv, nc, 0) and no pivot is lost. scratch.scale: the pivots' terms. L: may be nullptr.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
   const auto of_M = [&K](int k) { return K.pattern->of_M[k] != 0; };
   bool lost = K.damping == 0 && K.nc() > K.nv(), passed = false, signs = true;
   rank::PassedOnInTree passed_on(K.pattern->ldl, scratch.passed_on);
-  std::vector<double>& noise = scratch.ldl.Y;  // taken by every factorization, since a later state may need it
+  std::vector<double>& noise = scratch.ldl.Y;  // sized by every factorization, since a later state may need it
   if (std::ssize(noise) < A.n) noise.resize(A.n);
   for (int k = 0; k < A.n; ++k) {
     if (!std::isfinite(D[k]) || D[k] == 0) return Reason::kZeroPivot;
@@ -32,7 +31,7 @@ inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D,
   return lost ? Reason::kSmallPivot : Reason::kNone;
 }
 
-/// Growth of K's entries during elimination. terms: of the pivots.
+/// Growth of K's entries during elimination. terms: terms of the pivots.
 inline double growth_of(const KktMatrix& K, const double* terms) {
   const sparse::UpperCsc& A = K.pattern->K;
   double largest = 0, diagonal = 0;
@@ -43,7 +42,7 @@ inline double growth_of(const KktMatrix& K, const double* terms) {
   return diagonal > 0 ? largest / diagonal : 1;
 }
 
-/// The size that row k of J, in the island's order, is compared with.
+/// The size with which row k of J, in the island's order, is compared.
 inline double size_of_row(const KktMatrix& K, const FactorScratch& scratch, int k) {
   return scratch.row_scale.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_scale[k] : K.row_scale;
 }

@@ -1,4 +1,4 @@
-// Which rows depend, and how often E is to be applied: random vectors tell.
+// Random vectors show which rows depend, and how often E must be applied.
 
 #include "proximal.hpp"
 
@@ -8,11 +8,11 @@ namespace manycontact {
 
 namespace internal {
 
-// Random vectors in the place of P's columns: E^k of them is P of them once J^T of that is rounding, which it never is
-// where a row that was dropped depends on the others but nearly: an eigenvector of S that E neither takes away nor
-// keeps shows in nearly all random vectors. A row dropped by its pivot alone may have one of kPivotOfDependent delta,
-// that E takes away by as much each time. Forces are smoother than these, and have more of the smallest eigenvalues':
-// they take one application more.
+// The columns of P are replaced by random vectors, the probes. E^k of the probes equals P of them once J^T times it is
+// a rounding error. This never happens if a dropped row is only nearly dependent: then S has an eigenvector that E
+// neither removes nor keeps, and it shows in nearly all random vectors. A row dropped by its pivot alone may have an
+// eigenvalue of kPivotOfDependent delta, which each E reduces by that factor. Forces are smoother than the probes, with
+// larger components of the smallest eigenvalues, and take one more application.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
   applications_ = 1;
@@ -28,7 +28,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
     if (!vanishes && left_ < slowest * last) continue;
-    left_ = std::min(left_, last);  // a stalled rest is rounding error: an eigenvector that E keeps leaves more
+    left_ = std::min(left_, last);  // if it stalls, rounding errors are left: an eigenvector leaves more
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
     take_null_space_rows();
@@ -55,8 +55,8 @@ void ProximalFactor::apply_to_probes() {
     for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M(k) ? 0 : -delta_;
 }
 
-// Returns the largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest of
-// all terms if that is larger. A hub's rows add up the terms of all its contacts.
+// Returns the largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest
+// terms of a row of J if those are larger. A hub's rows add up the terms of all its contacts.
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;
@@ -78,7 +78,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   return left;
 }
 
-// Rounding errors of vectors that E keeps, relative to them: the change of the probes once they are such vectors.
+// Relative rounding error of vectors that E keeps: the change of the probes once they are such vectors.
 void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)

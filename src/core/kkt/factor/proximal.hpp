@@ -8,12 +8,12 @@
 //   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b
 //                                         without P b, whose forces have no part in the null space: those of least
 //                                         norm.
-//   rank                                  a row that depends on the rows before it has a pivot of delta (1 + |z|^2), z
-//                                         its coefficients: a larger delta enlarges it as many times. The pivot of any
-//                                         other row hardly depends on delta.
+//   rank                                  a row that depends on the rows before it, with coefficients z, has the pivot
+//                                         delta (1 + |z|^2), which is proportional to delta. The pivot of any other row
+//                                         hardly depends on delta.
 //
-// The residual's own rounding, eps of b, becomes forces eps / delta large in the null space (relative to S of 1), which
-// moves nothing: P f is taken out at the end. E keeps a vector of the null space but for a part of eps / delta
+// Rounding errors of the residual, eps of b, become forces of size eps / delta in the null space (relative to S of 1),
+// which move nothing: P f is removed at the end. E changes a vector of the null space by a part of eps / delta
 // ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill,
 // Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
@@ -46,7 +46,7 @@ class ProximalFactor final : public Factor {
     return find_dependent_rows(scratch) && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // The generalised inverse, refined.
+  // Applies the generalised inverse of K, with refinement.
   void solve(double* x) override {
     std::copy_n(x, b_.size(), b_.data());
     project_out(b_.data(), nullptr);
@@ -100,7 +100,7 @@ class ProximalFactor final : public Factor {
     ldl_.take(pattern, method());
   }
 
-  // The largest diagonal entry of S, M's own diagonal in the place of M.
+  // The largest diagonal entry of S, with M's diagonal in place of M.
   double largest_of_S() {
     const sparse::UpperCsc& A = ldl_.pattern->K;
     std::fill(r_.begin(), r_.end(), 0.0);
@@ -114,14 +114,14 @@ class ProximalFactor final : public Factor {
     return sparse::largest(r_);
   }
 
-  // A pivot that is zero, or no number, stays in D.
+  // A pivot that is zero or NaN remains in D.
   void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // Pivots of M are judged as in any factor. Pivots of J's rows must have the sign of these rows.
+  // Pivots of M are checked as in any factor. Pivots of J's rows must be negative.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -135,15 +135,14 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Factorizes K with a larger delta and stores the pivots in stiffer_. The current factor is overwritten.
+  // Factorizes K with a larger delta and stores the pivots in stiffer_; overwrites the current factor.
   void find_stiffer_pivots(FactorScratch& scratch) {
     factorize_damped(tolerance::kStiffer * delta_, scratch);
     stiffer_ = ldl_.D;
   }
 
-  // Judges rows by their pivots relative to delta, or where one is of a size that both kinds of rows may have,
-  // by how pivots change with delta. The result does not depend on in_doubt_, which saves a factorization. False: the
-  // rank is in doubt.
+  // Finds dependent rows by their pivots relative to delta or, if these are ambiguous, by how pivots change with delta.
+  // The result does not depend on in_doubt_, which saves a factorization. Returns false if the rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -163,10 +162,10 @@ class ProximalFactor final : public Factor {
     return compare_pivots(scratch.scale.data());
   }
 
-  // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta: the
-  // exponents of delta in the pivots add up to the number of dependent rows. They are 1 or 0, unless rows nearly depend
-  // on those before them and later rows on all of these: such exponents lie between, many of them next to 0 or 1, and
-  // only the sum of all is an integer. Rounding of pivots must not add up: what it explains counts as 1 or 0.
+  // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta. The
+  // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each is 1 or 0. If rows
+  // nearly depend on earlier rows, and later rows on all of these, exponents lie between, and only their sum is an
+  // integer. Exponents within rounding error of 1 or 0 count as 1 or 0, so that these errors do not add up.
   bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;
@@ -235,12 +234,12 @@ class ProximalFactor final : public Factor {
   std::vector<int> dropped_;                   // rows of J
   std::vector<double> damped_;                 // K_delta
   std::vector<double> stiffer_;                // pivots with a larger delta, in K's order
-  std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the surest first
-  bool in_doubt_ = false;                      // whether these were needed at the last state
+  std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the most certain first
+  bool in_doubt_ = false;                      // whether stiffer_ and order_ were needed at the last state
   double growth_ = 1;
   double drift_ = 0;                                         // rounding error of a vector that E keeps
-  int applications_ = 1;                                     // how often E is applied, until it is P
-  double left_ = 0;                                          // size of J^T on the null space, relative to the rows
+  int applications_ = 1;                                     // number of applications of E that give P
+  double left_ = 0;                                          // J^T times the null space, relative to the rows' sizes
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
   std::vector<double> sums_;                                 // J^T probes, and |J|^T |probes|: scratch, in rows of M
   std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-// y -= E^k y until that changes nothing more.
+// y -= E^k y until nothing more changes.
 void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
 
 void ProximalFactor::project(double* y, double* null_component, double left) {
@@ -32,7 +32,7 @@ void ProximalFactor::project(double* y, double* null_component, double left) {
   }
 }
 
-// The panel's columns first ... first+cols-1 between X and a panel of kChunk.
+// Copy the panel's columns first ... first+cols-1 from X to X_, and back.
 void ProximalFactor::take_columns(const double* X, int ld, int first, int cols) {
   const std::size_t size = static_cast<std::size_t>(ldl_.pattern->size()) * kChunk;
   for (std::vector<double>* panel : {&X_, &B_, &W_})
@@ -43,22 +43,21 @@ void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const 
   for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
 }
 
-// W <- E^k of the contacts' rows of X_.
+// W_ <- E^times of the contact rows of X_.
 void ProximalFactor::apply_to_columns(int cols, int times) {
   const KktPattern& p = *ldl_.pattern;
   std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
   for (int k = 0; k < times; ++k) apply_panel(W_.data(), kChunk, cols);
 }
-// X_ -= W in the null space's rows.
+// X_ -= W_ in the rows of the null space.
 void ProximalFactor::take_out_of_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the component in the null space until at most the part `left` of it remains. Each pass leaves the part
-// `each`, which rounding errors determine.
+// Removes the null space component up to the part `left`. Each pass leaves the part `each` due to rounding errors.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -103,9 +102,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// The first attempt keeps P b. If P b is zero, refinement ends with residuals of the size of rounding errors. Otherwise
-// the residual is P b in the end, and each step has increased the forces by P b / delta. Then the solve is repeated
-// without P b.
+// The first attempt keeps P b. If P b is zero, residuals end as rounding errors. Otherwise they end as P b, and each
+// step adds P b / delta to the forces; the solve is then repeated without P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -133,7 +131,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   return refinement;
 }
 
-// Rounding of P b is as large in J's range as the least eigenvalue of S allows: P b -= (J^T)^+ J^T P b.
+// The rounding error of P b in J's range is amplified by S's least eigenvalue: P b -= (J^T)^+ J^T P b removes it.
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
@@ -155,8 +153,8 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
-// While the largest residual of M's rows or of J's, each relative to the terms of the first step, is halved: at rest
-// the terms of J's rows vanish with their residuals, and a componentwise error shows no progress.
+// Refines while the largest residual of M's or J's rows, relative to the first step's terms, is at least halved. At
+// rest J's terms vanish with their residuals, and a componentwise error would show no progress.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   std::optional<std::array<double, 2>> terms;
   double error = 0, first = 0;
@@ -179,7 +177,7 @@ sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   return out;
 }
 
-// The largest residual of M's rows relative to their terms, and to a part of the largest of these.
+// The largest residual of M's rows relative to its terms, or to a part of the largest terms if that is more.
 double ProximalFactor::left_of_M(const KktVectors& v) const {
   const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
   double left = 0;
@@ -188,7 +186,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
   return left;
 }
 
-// The largest entries of x, by size, in J's rows and in M's.
+// The largest magnitudes of x in J's rows and in M's.
 std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
   std::array<double, 2> out{};
   for (std::size_t k = 0; k < x.size(); ++k) {

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace {
 
-// The inconsistency of the rows, P b1, is orthogonal to J's range. Rounding errors of b1's large entries hide how small
-// those of heavy rows (rotations, with lengths in micrometres) are: P b1 -= (J^T)^+ J^T P b1, unless that is more than
-// rounding errors of b1: rows that were dropped are only nearly dependent. v.x, v.r and v.scale are scratch here: the
-// solution is computed afterwards.
+// The inconsistency P b1 of the rows is orthogonal to J's range. In rows with large entries (rotations, with lengths in
+// micrometres) P b1 is small, and is hidden by rounding errors of b1's large entries: P b1 -= (J^T)^+ J^T P b1. If that
+// changes more than rounding errors, the dropped rows are only nearly dependent, and P b1 is kept. v.x, v.r and v.scale
+// are workspace here, since the solution is computed afterwards.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
@@ -70,7 +70,7 @@ sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int 
 
 namespace {
 
-// |K|_1 |X| + |B| column by column, and the largest |R| relative to it. Sums: memory for three rows.
+// Returns the largest |R| of a column relative to |K|_1 |X| + |B|. sums: memory for three rows.
 double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
                     std::vector<double>& sums) {
   sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));
@@ -93,7 +93,7 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 }  // namespace
 
 void Factor::solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
-  constexpr int kChunk = 64;  // columns whose part of X and B stays in the caches meanwhile
+  constexpr int kChunk = 64;  // columns of X and B that fit into the caches together
   const KktPattern& p = *K.pattern;
   double* B = work.B.data();
   for (int c = first; c < first + cols; c += kChunk) {

@@ -1,19 +1,18 @@
 #pragma once
-// Parts of a scene's model that are not needed, at the state solved last. Each item is one or two sentences with names
-// and without line breaks. All functions throw std::logic_error before a solve.
+// Parts of a scene's model that are not needed, at the state of the last solve. Each item is one or two sentences with
+// names, without line breaks. All functions throw std::logic_error before a solve.
 
 #include "manycontact/analysis/ranks.hpp"
 
 namespace manycontact {
 
-/// Lists redundant rows of J, single contacts that impose the same constraint as several, and contacts that constrain
-/// more directions than their robots can move in. It uses only the ranks at this configuration. `kinds` is the result
-/// of find_kinds for these data.
+/// Lists redundant rows of J, single contacts that replace several, and contacts that constrain more directions than
+/// their robots can move in, by the ranks at this configuration. `kinds`: from find_kinds for these data.
 std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
                                             const std::vector<IslandKind>& kinds);
 
-/// Robots and joints that nothing loads or moves (accelerations below 1e-9 of the scene's largest, or of gravity, count
-/// as none), and bodies without mass.
+/// Lists robots and joints that nothing loads or moves, and bodies without mass. Accelerations below 1e-9 of the
+/// scene's largest, or of gravity, count as zero.
 std::vector<std::string> advise_on_bodies(const Scene& scene, const SceneData& data);
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
 #pragma once
-// Differences of one solution from another one, or from a reference, per robot and in the maximum norm. The functions
-// are templates over the scalar of the reference, so that differences from quadruple precision are computed in it.
+// Differences of a solution from another one or from a reference, per robot and in the maximum norm. The templates are
+// over the reference's scalar: differences from quadruple precision are computed in it.
 
 #include <cmath>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if either contains NaN.
+/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if x or truth contains NaN.
 struct Deviation {
   double absolute = 0, relative = 0;
 };
@@ -25,9 +25,8 @@ double largest_entry(const X& x) {
   return out;
 }
 
-/// Differences of accelerations per robot; a and truth have scene.nv entries [m/s^2, rad/s^2]. `at_least` is empty or
-/// has scene.nv entries. Errors are then relative to the larger of |truth| and these, for robots at rest whose
-/// accelerations are rounding errors.
+/// Differences of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of |truth| and
+/// `at_least` (scene.nv, or empty), for robots at rest whose accelerations are rounding errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {
@@ -68,7 +67,7 @@ std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<in
   return out;
 }
 
-/// The larger of each. NaN where one is NaN.
+/// The largest absolute and the largest relative deviation; NaN if one of them is NaN.
 inline Deviation worst(const std::vector<Deviation>& deviations) {
   Deviation out;
   for (const Deviation& d : deviations) {

@@ -1,5 +1,5 @@
 #pragma once
-// How robots, bodies, contacts and their rows are called in readable text.
+// Names of robots, bodies, contacts and their rows in readable text.
 
 #include <string>
 #include <vector>
@@ -8,16 +8,15 @@
 
 namespace manycontact {
 
-/// The body that a contact is attached to; anything that cannot move is the world, {-1, -1}.
+/// The body of an attachment; anything that cannot move is the world, {-1, -1}.
 struct Body {
   int robot = -1, joint = -1;
   auto operator<=>(const Body&) const = default;
 };
-Body body_of(const Attachment& attachment);  // the body it is on
+Body body_of(const Attachment& attachment);
 
-/// Returns the name of the place of attachments on one body: "humanoid/left_sole", or "world". This is the frame by
-/// which all of them were attached, also of a fixed base. If they differ or have none, it is "world" for bodies that
-/// cannot move, and else the body's frame nearest to the mean of their origins. A body without frames has the name of
+/// Returns a name for attachments on one body: the frame that all were made from ("humanoid/left_sole"). If these
+/// differ or are unknown: "world" for immovable bodies, else the body's frame nearest to the mean of their origins, or
 /// its joint. Throws std::invalid_argument if there is no attachment.
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body);
 

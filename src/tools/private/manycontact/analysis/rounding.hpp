@@ -1,6 +1,4 @@
 #pragma once
-// Numbers of a solution that are rounding errors only. Accelerations of a scene at rest are the rounding errors of
-// terms that cancel. The bounds of estimate_errors, above 1 there, distinguish them from small numbers that are known.
 
 #include <string>
 #include <vector>
@@ -9,17 +7,18 @@
 
 namespace manycontact {
 
-/// Quantities of which nothing is known but that they are small.
+/// Which parts of a solution are rounding errors only, such as the accelerations of a scene at rest: the relative error
+/// bounds of estimate_errors are then above 1.
 struct Rounding {
   bool acceleration = false, forces = false;
-  /// "acceleration", "forces": those that are.
+  /// Names of the parts that are rounding errors: "acceleration", "forces".
   std::vector<std::string> names() const;
 };
 
-/// Checks the solution of an island after estimate_errors. Before it, and without a solution, no number is marked.
+/// Reads the error bounds of an island. Before estimate_errors, and without a solution, no part is marked.
 Rounding find_rounding(const IslandReport& report);
 
-/// The marks of any island: those that the largest errors of the report refer to.
+/// Combines the marks of all islands.
 Rounding find_rounding(const Report& report);
 
 }  // namespace manycontact

@@ -1,5 +1,5 @@
 #pragma once
-// The visual shapes of a URDF's links. They are for pictures alone: a Model does not contain them.
+// The visual shapes of a URDF's links, for pictures only: a Model does not contain them.
 
 #include <array>
 #include <optional>
@@ -22,12 +22,12 @@ struct Visual {  // One shape of a link.
   std::optional<std::array<double, 4>> colour;  // red, green, blue, opacity, from 0 to 1
 };
 
-/// All visuals, in the order of the file. Shapes that URDF 1.0 does not have are left out. Throws InputError.
+/// Loads all visuals in the order of the file. Shapes other than those of URDF 1.0 are skipped. Throws InputError.
 std::vector<Visual> load_visuals(const std::string& urdf);
 
-/// The file that `urdf` means by `name`; empty where there is none. "package://p/rest": rest in a folder p among the
-/// URDF's own folder, those above it, and those of ROS_PACKAGE_PATH, or in one of these called p itself. "file://": an
-/// absolute path; anything else: relative to the URDF.
+/// Finds the file that a URDF calls `name`; "" if there is none. "package://p/rest": rest in a folder p of the URDF's
+/// folder, those above it and those of ROS_PACKAGE_PATH, or in one of these that is called p. "file://": an absolute
+/// path; anything else is relative to the URDF.
 std::string find_mesh(const std::string& urdf, const std::string& name);
 
 }  // namespace manycontact

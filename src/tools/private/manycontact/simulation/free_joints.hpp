@@ -1,26 +1,26 @@
 #pragma once
-// Floating and planar joints in a semi-implicit Euler step. The velocity of such a joint is expressed in axes that turn
-// with its body. A step solves for x, the velocity at its end in the axes of its start, and ends with
+// Floating and planar joints in a semi-implicit Euler step. The velocity of such a joint is expressed in axes that
+// rotate with its body. A step solves for x, the velocity at its end in the axes at its start, and ends with
 //
 //     p+ = p + h R x_linear        R+ = R exp(h x_angular)        v+ = R+^T R x
 //
-// A velocity that all bodies have in common then changes nothing else (Galilei). A screw q (+) h v would displace the
-// origin by h^2 w x v / 2 more, differently for bodies that rotate differently.
+// A velocity that all bodies have in common then changes nothing else (Galilean invariance). A screw motion q (+) h v
+// would displace the origin by h^2 w x v / 2 more, differently for bodies that rotate differently.
 
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::internal {
 
-/// a = -v / h - w x v: the acceleration by which x = 0. v, a: nv.
+/// Computes a = -v / h - w x v, the acceleration for which x = 0. v, a: nv.
 void stop_in_a_step(const Scene& scene, const Eigen::VectorXd& v, double h, Eigen::VectorXd& a);
-/// The derivative of w x v by a free joint's v, in its coordinates.
+/// The derivative of w x v with respect to a free joint's v, in its coordinates.
 using OfFreeJoint = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 OfFreeJoint derivative_of_turn(const Joint& joint, const ConstVectorRef& v);
 
 /// Computes the state q+, v+ after a step from q with x (nv). v_next may be x. scratch: nv.
 void end_free_joints(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& x, double h,
                      Eigen::VectorXd& scratch, Eigen::VectorXd& q_next, Eigen::VectorXd& v_next);
-/// F (2 nv rows): in, [dq + h dx; dx]; out, the derivatives of q+ and v+. Allocates nothing.
+/// Transforms F (2 nv rows) from [dq + h dx; dx] to the derivatives of q+ and v+. Allocates nothing.
 void differentiate_free_joints(const Scene& scene, const Eigen::VectorXd& x, double h, Eigen::MatrixXd& F);
 
 }  // namespace manycontact::internal

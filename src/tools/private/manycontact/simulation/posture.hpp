@@ -1,43 +1,42 @@
 #pragma once
-// Singular configurations that a motion passes, between its states too. With w a unit vector of contact rows, x = M^-1
-// J^T w and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how near an island's contacts are to losing rank.
-// It is followed by one inverse iteration per state, which a solve of the island at rest does,
+// Detects singular configurations that a motion passes, also between its states. With w a unit vector of contact rows,
+// x = M^-1 J^T w and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how close an island's contacts are to
+// losing rank. One inverse iteration per state follows it, by a solve of the island at rest:
 //
 //     [ M  J^T ] [  a ]   [ 0 ]
 //     [ J   0  ] [ -f ] = [ w ]      w+ = f / |f|,   x = a / |f|,   sigma^2 = w^T w+ / |f|
 //
-// Where the motion passes a singular configuration x goes through zero and comes out on its other side; where it passes
-// close by, past it. Between two states x is taken for straight, so that the least sigma of a step is
+// If the motion passes through a singular configuration, x passes through zero; if it passes close by, x passes near
+// zero. Between two states x is interpolated linearly, so that the least sigma of a step is
 //
 //     min over s in [0, 1] of | (1 - s) x_k + s x_k+1 |_M
 //
-// A state that is singular itself shows as a lost rank, not here. Inverse iteration: Golub, Van Loan, Matrix
-// Computations, section 8.2.
+// A singular state is detected by its rank instead. Inverse iteration: Golub, Van Loan, Matrix Computations, sec. 8.2.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
 struct ClosestPosture {  // The configuration between two states that is nearest to a singular one.
-  double share = 1;      // least sigma between the last state and this one, of the largest sigma so far
-  double at = 0;         // position between the states: 0: at the last state; 1: at this one
+  double share = 1;      // least sigma between the last state and this one, relative to the largest so far
+  double at = 0;         // where: 0 at the last state, 1 at this one
 };
 
-struct PostureData {  // The islands' smallest sigma, and the memory of its solves.
-  /// Makes the memory for this scene. options: used in the solves.
+struct PostureData {  // Smallest sigma of each island, and workspace for its solves.
+  /// Allocates for this scene; options are for the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 
   SceneAtRest rest;
   SceneData dynamics;
   std::vector<char> active;  // contacts active at the last state
-  bool known = false;        // w, x, sigma are those of the last state
+  bool known = false;        // whether w, x, sigma belong to the last state
   Eigen::VectorXd w, x;      // rows of f; nv
   Eigen::VectorXd asked, Jx, scratch;
-  std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its largest value so far
+  std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its maximum so far
 };
 
-/// Continues to the state q (nq), with the contacts flagged `active`. Returns the closest configuration of all islands.
-/// The first state, and a state with other contacts than the last one, start again.
+/// Proceeds to the state q (nq) with the contacts flagged `active`. Returns the closest configuration of all islands.
+/// It starts again at the first state, and if the contacts have changed.
 ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
                               PostureData& data);
 

@@ -1,26 +1,26 @@
 #pragma once
-// Steps that are too long for a spring, a damper, a PD law or joint friction. One of stiffness k and damping c, which
-// moves the mass m along it, obeys m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for lambda^2 + (c/m)
-// lambda + k/m = 0; semi-implicit Euler, which takes them at the end of a step, is stable for any h. It keeps the
-// energy of springs with h omega << 1, and takes that of springs with h omega > 2 within few steps. m is that of the
-// scene with its contacts, 1/m = g^T M^-1 g of the torques g of a unit force along the spring. It is that of each
-// spring and joint alone: several on one body allow less.
+// Steps that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and the mass
+// m that moves along it, its motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
+// lambda^2 + (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h;
+// it keeps the energy of springs with h omega << 1 and dissipates that of springs with h omega > 2 within few steps. m
+// includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. It is computed for each
+// spring and joint separately: several on one body allow shorter steps only.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
-struct SpringMobilities {             // 1/m of bodies on springs and dampers, at one configuration.
-  std::vector<Mat3<double>> springs;  // one entry per spring between points: acceleration of A's end relative to B's by
-                                      // a unit force on A and its opposite on B, in world axes [1/kg]
+struct SpringMobilities {             // 1/m of bodies on springs and dampers, in one configuration.
+  std::vector<Mat3<double>> springs;  // one entry per spring between points: relative acceleration of A's end and
+                                      // B's by a unit force on A and its opposite on B, in world axes [1/kg]
   Eigen::VectorXd joints;             // nv: joint coordinates with springs, dampers, PD laws or friction; 0 at others
 };
-/// Computes them at q (nq), with the contacts flagged `active`. Zero where nothing moves, or the solve failed. A joint
-/// takes a solve. Joints of a robot with more than a hundred springs and dampers in joints get infinity instead.
+/// Computes mobilities at q (nq), with the contacts flagged `active`; zero if nothing moves or the solve failed. Each
+/// joint takes a solve; joints of a robot with more than a hundred springs and dampers in joints get infinity instead.
 SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                    const Eigen::VectorXd& q);
 
-/// The largest stable step of RK4 [s], or the largest step of semi-implicit Euler that resolves it. k, c: divided by m.
+/// The largest stable step of RK4 [s], or the largest one of semi-implicit Euler that resolves it. k, c: divided by m.
 double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
