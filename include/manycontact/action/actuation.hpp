@@ -46,7 +46,7 @@ struct ActuationDataAbstract {                                          // The t
   ActuationMatrix dtau_dx;    // nv x ndx: set by calcDiff
   ActuationMatrix dtau_du;    // nv x nu: set by calcDiff
   ActuationMatrix Mtau;       // nu x nv: set by torqueTransform
-  std::vector<bool> tau_set;  // nv: actuated coordinates
+  std::vector<bool> tau_set;  // nv: whether a coordinate is actuated
 };
 
 class ActuationModelAbstract : public Printable {  // A function tau(x, u): the torques on all velocity coordinates.
@@ -64,17 +64,16 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
   virtual void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) = 0;
-  /// Computes data->Mtau with u = Mtau tau. By default it is the pseudoinverse of dtau_du at (x, u), which is computed
-  /// first.
+  /// Computes data->Mtau in u = Mtau tau: by default the pseudoinverse of dtau_du, first computed at (x, u).
   virtual void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
-  /// If each control is the torque of one coordinate: these coordinates, one for each of the nu; otherwise empty.
-  /// Derivatives are then written in place without a product.
+  /// Returns the coordinate whose torque each control (nu) is; empty for actuations that do not select coordinates.
+  /// With a selection, derivatives are written in place without a product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
   void print(std::ostream& os) const override { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
  protected:

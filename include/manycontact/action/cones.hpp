@@ -1,7 +1,7 @@
 #pragma once
 // Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and the centre of pressure inside the
-// foot. Names, A and bounds are those of Crocoddyl's cones. R contains the cone's axes (z: the normal) in the axes of
-// f. Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and
+// foot. Names, A and bounds are those of Crocoddyl's cones. R: the cone's axes (z: the normal), in the axes of f.
+// Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and
 // warns).
 
 #include <iosfwd>
@@ -46,7 +46,7 @@ class FrictionCone {
   MatrixX3s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints the cone
 
 /// The friction cone, centre of pressure inside the box, and yaw torque of a rectangular foot: nf + 13 rows for the
 /// wrench [force; moment] at the centre of the box.
@@ -86,7 +86,7 @@ class WrenchCone {
   MatrixX6s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints the cone
 
 /// The centre of pressure inside the box: 4 rows for the wrench. As in Crocoddyl, the length bounds the moment about y,
 /// the width the moment about x.
@@ -113,6 +113,6 @@ class CoPSupport {
   Matrix46s A_;
   Eigen::Vector4d lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const CoPSupport& support);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const CoPSupport& support);  // prints the support polygon
 
 }  // namespace manycontact

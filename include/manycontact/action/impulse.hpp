@@ -7,10 +7,10 @@
 namespace manycontact {
 
 /// The data of an impulse: Jc, f (the impulse on A [N s, N m s]), df_dx; a0 = 0, and da0_dx is d(J w)/dq with constant
-/// w = v+ + e v.
+/// w = v+ + e v (e: restitution).
 using ImpulseDataAbstract = ContactDataAbstract;
 
-/// Standalone: members of ContactDataMultiple, and more.
+/// The data of a stack of impulses. Members are set in standalone evaluation, as those of ContactDataMultiple.
 struct ImpulseDataMultiple : ContactDataMultiple {
   std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
   Eigen::MatrixXd dv0_dq;     // nc_total x nv: set by calcDiff
@@ -23,7 +23,7 @@ class ImpulseModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and then dv0_dq.
+  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, calcDiff computes dv0_dq.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
@@ -33,7 +33,7 @@ class ImpulseModelAbstract : public Printable {
   void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
-  /// The state that it was made for.
+  /// The state given to the constructor.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
   std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
   std::size_t get_nu() const { return 0; }                          // number of controls
@@ -112,8 +112,8 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
-  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with
-  /// another state.
+  /// Throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with another
+  /// state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);

@@ -18,13 +18,12 @@ class StateAbstract {  // A manifold with differences and sums.
   virtual ~StateAbstract() = default;
 
   virtual Eigen::VectorXd zero() const = 0;  // the neutral state (nx)
-  virtual Eigen::VectorXd rand() const = 0;  // A random state (nx)
+  virtual Eigen::VectorXd rand() const = 0;  // a random state (nx)
   /// Computes dxout = x1 (-) x0.
   virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
   /// Computes xout = x (+) dx.
   virtual void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const = 0;
-  /// Computes Jfirst = d diff/dx0 and Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain
-  /// unchanged.
+  /// Computes Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain unchanged.
   virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                      Jcomponent firstsecond = both) const = 0;
   /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx); sets, adds or subtracts them.

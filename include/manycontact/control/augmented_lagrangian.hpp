@@ -71,8 +71,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   const Eigen::Vector2d& expectedImprovement() final { return d_ = inner_->expectedImprovement(); }
   void resizeData() override;
 
-  /// The multipliers of each node's [g; h]: T + 1 vectors, empty for nodes without constraints. They are >= 0 at an
-  /// upper bound, and <= 0 at a lower one.
+  /// The multipliers of each node's [g; h]: T + 1 vectors, empty for nodes without constraints. Multipliers are >= 0 at
+  /// an upper bound, and <= 0 at a lower one.
   Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
   void set_multipliers(const Vectors& multipliers);
@@ -102,7 +102,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
 
-  /// They throw std::invalid_argument for numbers out of range.
+  /// Throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);        // above 0
   void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()
   void set_penalty_factor(double factor);  // above 1

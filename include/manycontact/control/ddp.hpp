@@ -34,26 +34,24 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
              std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
-  /// The expected reduction of a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve has
-  /// converged only if it is small at the least one, too.
+  /// Returns the expected reduction by a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve
+  /// has converged only if it is also small at the least regularisation.
   double stoppingCriteria() override;
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
 
-  /// Computes the derivatives of all nodes at the candidate, and its feasibilities; returns the cost.
+  /// Computes the derivatives of all nodes at the candidate, and its infeasibilities; returns the cost.
   virtual double calcDiff();
   /// Computes the search direction. If it fails, direction_is_sound() is false, and the direction is unusable.
   virtual void backwardPass();
   bool direction_is_sound() const { return sound_; }
   /// Computes xs_try, us_try and cost_try for a step length in [0, 1]. cost_try is NaN if numbers are not finite.
   virtual void forwardPass(double steplength);
-  /// Computes the action value function of a node, as the backward pass does; with SolverSparse that of every
-  /// subproblem. These three functions are for inspection. backwardPass does not call them, so that they are final:
-  /// override backwardPass.
+  /// Computes the action value function of node t, as the backward pass does; with SolverSparse that of every
+  /// subproblem. These three functions are for inspection: backwardPass does not call them, so that they are final.
   virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                           const std::shared_ptr<ActionDataAbstract>& data) final;
-  /// Require that computeActionValueFunction was last called for the node t; otherwise they throw
-  /// std::invalid_argument.
+  /// Throw std::invalid_argument unless computeActionValueFunction was last called for the node t.
   virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) final;
   virtual void computeGains(std::size_t t) final;
   virtual void increaseRegularization();
@@ -81,9 +79,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_judges(bool judges) { judges_ = judges; }
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
-  /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation with
-  /// the guess's controls. Crocoddyl's rule ignores limits until the gaps are closed, which may never happen with tight
-  /// limits.
+  /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation of
+  /// the guess's controls. (Crocoddyl ignores limits until gaps are closed, which tight limits may prevent.)
   bool has_rolled_out() const { return rolled_out_; }
   /// The expected reduction of the cost by a full step along the direction, for a candidate without gaps.
   double expectedReduction() const;
@@ -91,8 +88,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const std::vector<std::unique_ptr<Direction>>& directions() const { return directions_; }
 
   /// The size of the cost, initially 1. Thresholds and limits of the regularisation (th_stop, th_grad, th_kkt, reg_min,
-  /// reg_max) are meant for costs with Hessians of ordinary size; they are multiplied by it. The weights of a problem
-  /// times a number then give the same motion.
+  /// reg_max) are multiplied by it, so that a common factor of all weights does not change the motion.
   double get_scale() const { return scale_; }
   void set_scale(double scale);  // above 0, or std::invalid_argument is thrown
   /// Whether a solve computes the scale from the Hessians at its guess; it remains 1 for ordinary sizes. Initially
@@ -130,7 +126,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const Vectors& get_Vx() const { return Vx_; }         // gradients of the value function (T + 1)
   const Vectors& get_k() const { return k_; }           // feed-forward terms (T)
 
-  /// They throw std::invalid_argument for numbers out of range.
+  /// Throw std::invalid_argument for numbers out of range.
   void set_reg_incfactor(double x) { internal::kAboveOne.set(reg_incfactor_, x, "SolverDDP::set_reg_incfactor"); }
   void set_reg_decfactor(double x) { internal::kAboveOne.set(reg_decfactor_, x, "SolverDDP::set_reg_decfactor"); }
   void set_reg_min(double x) { internal::kNotNegative.set(reg_min_, x, "SolverDDP::set_reg_min"); }
@@ -155,7 +151,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
   void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible, double init_reg);
-  /// Called after a new direction, before steps are tried; and after each of them.
+  /// Called after a new direction, before steps are tried.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}  // after each tried step
   /// Whether the tried step is accepted, according to dV and dVexp, and if so whether its states are feasible.
@@ -174,14 +170,13 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// Calls work(direction) for every subproblem, in parallel.
   template <class Work>
   void each_direction(Work&& work);
-  /// Computes xs_try, us_try and cost_try. The gaps of the running nodes, or of the terminal one, are reduced in
-  /// proportion to the step length.
+  /// Computes xs_try, us_try and cost_try. The gaps of the running nodes (keep_gaps), or of the terminal one
+  /// (keep_terminal_gap), are reduced in proportion to the step length.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// The sum of the directions' dg and dq; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
   void setFeedForward(const Vectors& nu);  // sets k = -nu for the next forward passes of `descend`
-  /// Computes g at us_try, where nodes are differentiated. Components of controls at a limit that would leave it are
-  /// zero.
+  /// Computes g at us_try, where nodes are differentiated. g is zero for controls at a limit that a step would exceed.
   void computeFeedForwardGradient(Vectors& g);
   void preconditionFeedForward(Vectors& g);  // g <- diag(Quu)^-1 g
   /// Projects the guess us onto the limits. If this changes a guess without gaps, it has gaps afterwards.

@@ -17,7 +17,7 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   void forwardPass(double steplength) override;
   /// Share of an expected increase of the cost that is accepted.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
-  /// Sets it; it is not negative.
+  /// Sets this share. Throws std::invalid_argument if it is negative.
   void set_th_acceptnegstep(double x) {
     internal::kNotNegative.set(th_acceptnegstep_, x, "SolverFDDP::set_th_acceptnegstep");
   }

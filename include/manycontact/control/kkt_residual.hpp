@@ -1,5 +1,4 @@
 #pragma once
-// The residual of a candidate in the optimality conditions of a shooting problem.
 
 #include "manycontact/control/shooting.hpp"
 
@@ -14,10 +13,10 @@ namespace manycontact {
 ///     stationarity in u  lu_t + fu_t^T l_(t+1) + cu_t^T y_t
 ///     constraints        c - P(c + y):  bounds, signs of y (>= 0 at an upper bound) and complementarity
 ///
-/// If `limits`, and the problem has limits on controls, the third is u - min(max(u - that, u_lb), u_ub). Without
-/// constraint_multipliers, constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result
-/// is infinite if a number is not finite. `scale` is the unit of the cost: gradients and multipliers are divided by it.
-/// Throws std::invalid_argument for wrong sizes, and a scale that is not above 0.
+/// With `limits`, stationarity s in u is replaced by u - min(max(u - s, u_lb), u_ub). Without constraint_multipliers,
+/// constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result is infinite if a number
+/// is not finite. `scale` is the unit of the cost: gradients and multipliers are divided by it. Throws
+/// std::invalid_argument for wrong sizes, and a scale that is not above 0.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {}, double scale = 1);

@@ -10,8 +10,8 @@
 // result of `step` for a SimulationData that starts at x. A simulation that continues differs, since it uses J v at the
 // last q.
 //
-// Costs and constraints are h times those of the differential model; they depend on its accelerations and forces at x,
-// u, as with all other integrators.
+// The cost is h times that of the differential model; constraints are not scaled. Both depend on its accelerations and
+// forces at x, u, as with all other integrators.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -30,7 +30,7 @@ class IntegratedActionModelSymplectic
  public:
   static constexpr const char* kName = "IntegratedActionModelSymplectic";  // for messages
 
-  /// They throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
+  /// Throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);

@@ -23,8 +23,7 @@ struct TaskProblem {  // A task as a shooting problem.
   std::vector<std::vector<int>> parts;   // robots of each decoupled subproblem of the nodes
   std::vector<std::vector<int>> blocks;  // subproblems, divided at their couplings; a single one: nodes of the whole
                                          // scene
-  std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers, as in TaskSolution;
-                                                  // none: zeros
+  std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers; none: zeros
 };
 
 /// Whether any node has constraints.
@@ -35,8 +34,8 @@ bool has_constraints(const TaskFile& task);
 /// into blocks, unless its couplings are linearly dependent at x0. With kAuto it is divided only if this is predicted
 /// to be cheaper, and with kBoxFddp it is not divided.
 ///
-/// Throws InputError, with the task's file and line, if a term does not fit the models, and if the nodes would not fit
-/// into memory.
+/// Throws InputError, with the task's file and line, if a term does not fit the models, or nodes do not fit into
+/// memory.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 /// Makes the problem for the task's own solver.
 TaskProblem make_problem(const TaskFile& task);

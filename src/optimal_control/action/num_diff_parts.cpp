@@ -20,8 +20,8 @@ struct Differences {
   Eigen::MatrixXd x, u;  // derivatives with respect to x and u; a terminal node has none for u
 };
 
-// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. In the end the data
-// are those of the point again.
+// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. Afterwards the data
+// are those at x, u again.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
@@ -157,7 +157,7 @@ void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& 
 void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
-  inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
+  inverse.setThreshold(step_);  // larger than the differences' errors, O(step^2)
   inverse.compute(Eigen::MatrixXd(data->dtau_du));
   data->Mtau = inverse.pseudoInverse();
 }
@@ -213,7 +213,7 @@ Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
   return out;
 }
 
-// The cost's derivatives with the activation's at the point.
+// Computes Gauss-Newton's Hessians, with the activation's Arr at the point.
 void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
   model_->get_activation()->calcDiff(d.activation, d.residual->r);

@@ -21,7 +21,7 @@ const char* class_name(ContactType type) {
   return names[static_cast<int>(type)];
 }
 
-// The first frame on a body, for a contact that has an attachment of its own; one past the last when it has none.
+// Returns the first frame on the body of an attachment, or frames.size() if there is none.
 FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
   const auto& frames = state.get_model()->frames;
   for (std::size_t k = 0; k < frames.size(); ++k)
@@ -156,7 +156,7 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
   id_ = frame_on(*state_, contact.A);
 }
 
-// ---- their stack
+// ---- stack of contacts
 
 static std::ostream& operator<<(std::ostream& os, const ContactItem& item) { return os << *item.contact; }
 
@@ -187,7 +187,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMul
   return out;
 }
 
-// ---- impulses, and their stack
+// ---- impulses, and stack of impulses
 
 ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
     : name_(name), contact_(std::move(contact)) {

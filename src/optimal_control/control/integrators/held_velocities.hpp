@@ -15,24 +15,25 @@ struct HeldVelocities {
   HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
 
-  /// Whether they serve for these dynamics, as they are now, in steps of h.
+  /// Whether this workspace fits the dynamics as they are now, and steps of h.
   bool serve(const DataCollector& of, double h);
 
-  /// a = (x - v) / h of the velocity x in simulation/free_joints.hpp, and the step's end. After the differential
-  /// model's calc at the state, which left its torques in `of`.
+  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step ends the step.
+  /// The differential model's calc at the state comes first: its torques in `of` are used.
   void solve_at(const ConstVectorRef& state, double h, const DataCollector& of);
   void finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext);
 
-  /// a_x, a_w (nv x ndx, nv x nw) into F; after the differential model's calcDiff.
+  /// Computes a_x, a_w (nv x ndx, nv x nw) in F, after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// F: ndx x (ndx + nw), in: derivatives of [q + h x; x], on the tangent space at q; out: of the state after it.
+  /// Changes F (ndx x (ndx + nw)) from the derivatives of [q + h x; x], on the tangent space at q, to those of the next
+  /// state.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
   Scene scene;             // scene of `of` without gravity; joints add to M, contacts have beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // the state; s v
-  Eigen::VectorXd tau;         // torques on all coordinates, less ID(q, v, -w x v)
+  Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
   std::vector<ContactData<double>> contacts;  // contacts of `scene`
   FreeGroups groups;
