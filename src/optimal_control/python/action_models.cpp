@@ -87,7 +87,7 @@ void add_impulses(py::module_& m) {
 using Abstract = DifferentialActionModelAbstract;
 using AbstractData = DifferentialActionDataAbstract;
 
-// A sparse matrix as scipy's: a copy.
+// Returns a getter that copies a sparse matrix to scipy's.
 auto sparse(const Eigen::SparseMatrix<double>& (AbstractData::*get)() const) {
   return [get](const AbstractData& d) {
     Eigen::SparseMatrix<double> matrix = (d.*get)();

@@ -100,7 +100,7 @@ void add_examples(py::module_& m) {
       .constructors<void(std::shared_ptr<Node>, bool)>()
       .read<&NumDiff::get_model>()
       .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();
-  // Nodes of the library's own making, with what all have.
+  // Nodes that only the library creates, with the members of all nodes.
   shared<ActionModelParts, Node>(m);
   shared<ActionModelAugmentedLagrangian, Node>(m).read<&ActionModelAugmentedLagrangian::get_model>();
 }

@@ -32,7 +32,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// A call of Python's in this thread, on these data.
+/// A call to Python in this thread, with these data.
 class Scope {
  public:
   template <class Model, class Data>

@@ -9,7 +9,7 @@ namespace {
 
 // ---- states and actuations -----------------------------------------------------------------------------------------
 
-// x of a scene's robots is a configuration and finite velocities. Other states check x themselves.
+// Checks that x of a StateMultibody is a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
   const auto* own = dynamic_cast<const StateMultibody*>(&state);
   if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;
@@ -59,7 +59,7 @@ void add_states(py::module_& m) {
 
 using ActuationData = std::shared_ptr<ActuationDataAbstract>;
 
-// A class to derive from. T: ActuationModelAbstract, or a class of the library's.
+// A base class for Python. T: ActuationModelAbstract, or a class of this library.
 template <class T>
 class PyActuation : public T {
  public:
@@ -85,7 +85,7 @@ class PyActuation : public T {
   }
 };
 
-// A sparse matrix as a whole one: a copy; assignment takes the numbers of a whole one.
+// Adds sparse matrices as dense ones: reading copies, and assignment takes a dense matrix.
 template <class... Given>
 void add_matrices(Class<ActuationDataAbstract, ActuationData>& c, Given... given) {
   using D = ActuationDataAbstract;

@@ -8,8 +8,7 @@ namespace manycontact::python {
 
 namespace {
 
-// solver: none, the task's own. each: called with the TaskIteration after each iteration; False ends the solve, None
-// does not.
+// solver: by default the task's. each: called with each TaskIteration; False ends the solve, None does not.
 TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
                            std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;

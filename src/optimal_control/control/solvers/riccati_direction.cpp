@@ -110,7 +110,7 @@ void RiccatiDirection::add_gap(std::size_t t) {
   Vx_[t] += Vxx_fs_[t];
 }
 
-// [fu fx], of nodes with steps the lower half: these, or nullptr. Nodes within an augmented Lagrangian have matrices.
+// Sets [fu fx]; for symplectic Euler only the lower half, and returns the upper one's structure, otherwise nullptr.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -235,7 +235,7 @@ double RiccatiDirection::gap_improvement() {
   return dv;
 }
 
-// Newton's: half of Qu^T k
+// The reduction by a Newton step: half of Qu^T k.
 double RiccatiDirection::expected_reduction() const {
   double out = 0;
   for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
@@ -297,7 +297,8 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Uses controls that are not at a limit: those that the box QP moved to a limit would not move at all.
+// Uses the whole Quu, since the box QP's inverse would not move controls that it clamped, then omits controls at
+// limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

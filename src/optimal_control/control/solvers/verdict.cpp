@@ -12,7 +12,7 @@ using Vectors = std::vector<Eigen::VectorXd>;
 
 namespace {
 
-// The KKT residual with least-squares multipliers; the nodes must be differentiated at that motion.
+// Returns the KKT residual with least-squares multipliers. The nodes must be differentiated at that motion.
 double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, bool limits,
                        double scale) {
   Eigen::VectorXd work;
@@ -24,7 +24,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
 // rounding errors.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
-// A setting that has its value again at the end of a scope.
+// Restores a number at the end of the scope.
 struct Restore {
   double &number, value;
   ~Restore() { number = value; }
@@ -35,19 +35,19 @@ struct Restore {
 // The predicted reduction may be below the rounding errors of the cost before the stopping rule is met. The KKT
 // residual is not affected.
 StopReason SolverDDP::judgeWithoutStep() {
-  problem_->calc(xs_, us_);  // the data are of the last try
+  problem_->calc(xs_, us_);  // the data are those of the last trial step
   calcDiff();
   kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Whether the direction of the least regularisation promises next to nothing, too: a large one makes every direction
+// Whether the expected reduction at the least regularisation is small too: a large regularisation makes every step
 // short. The regularisation is not changed.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
   preg_ = dreg_ = reg_min_ * scale_;
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
   const bool stops =
       findDirection(true) &&
       expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
@@ -71,14 +71,14 @@ bool SolverDDP::isOptimalWithinLimits() {
   return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
 }
 
-// Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
-// function, so that directions may be no descent. The gradient of `descend` is exact.
+// Crocoddyl's box rule omits the remaining motion of clamped controls from the expected improvement and the value
+// function, so that directions may not descend. The gradient of `descend` is exact.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   const Restore restore{th_stop_, th_stop_};
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
+  constexpr int kRounds = 20, kIdle = 3;  // rounds of one backward pass each; rounds in a row without gain
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);

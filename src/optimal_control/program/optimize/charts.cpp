@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// The nodes with torques: impacts are left out.
+// Returns the nodes that are not impacts, and have torques.
 std::vector<std::size_t> nodes_with_torques(const OptimizedTask& motion) {
   std::vector<std::size_t> with;
   for (std::size_t t = 0; t + 1 < motion.nodes.size() && t < motion.solution.us.size(); ++t)

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, and where.
+// The largest torque of one joint, its limit and time.
 struct Torque {
   std::string name;
   double u = 0, limit = 0, time = 0;

@@ -30,10 +30,10 @@ void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
 void write_torques(const OptimizedTask& motion, const std::string& path);
-/// t and the columns of `simulate --forces`, a row per node; zeros of contacts that are open.
+/// Writes t and the columns of `simulate --forces`, one row per node; zeros for open contacts.
 void write_forces(const OptimizedTask& motion, const std::string& path);
 
-/// convergence, torques and forces, .svg and .png, into the folder, from charts.json there. Throws as run_python does.
+/// Draws convergence, torques and forces as .svg and .png in the folder, from charts.json there. Throws as run_python.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
 /// Records the states as frames of a view, with the torques and cones of the task.

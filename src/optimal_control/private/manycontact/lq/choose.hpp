@@ -1,5 +1,5 @@
 #pragma once
-// The direction solver that costs least by predicted operations.
+// Chooses the direction solver with the fewest predicted operations.
 
 #include <memory>
 

@@ -39,10 +39,10 @@ struct CouplingGraph {
       of_cluster;  // one entry per cluster: the vertices of its couplings; every coupling in them touches it
 };
 
-/// The plan is one of Join::kNoCouplings.
+/// plan: made with Join::kNoCouplings.
 CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan);
 
-/// Operations of CouplingSchur::factorize.
+/// Returns the number of operations of CouplingSchur::factorize.
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph);
 
 }  // namespace manycontact::lq
