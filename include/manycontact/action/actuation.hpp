@@ -84,8 +84,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   std::vector<int> selection_;
 };
 
-/// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
-/// treated as a general actuation: its selection() is empty.
+/// Controls are torques of selected coordinates. If a derived class overrides calc or calcDiff, selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
@@ -110,8 +109,7 @@ class ActuationModelFull : public ActuationModelSelection {
   explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
-/// Actuates the coordinates of the u of `solve`: all except those of floating bases and passive joints. If no robot has
-/// such coordinates, all are actuated.
+/// Actuates the u of `solve`: all coordinates except floating bases and passive joints; all if no robot has any.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
   /// Throws std::invalid_argument for a state of another kind.

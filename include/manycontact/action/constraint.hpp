@@ -135,15 +135,13 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with another
-  /// state or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for constraints of another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name) { remove(name); }
   void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// calc computes out->g and out->h, calcDiff their Jacobians; without u, those of a terminal node. They are resized
-  /// if the active set, or the kind of node, has changed.
+  /// calc computes out->g, out->h, calcDiff their Jacobians (terminal without u), resized when the active set changes.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }

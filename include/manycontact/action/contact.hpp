@@ -64,8 +64,7 @@ struct ContactDataAbstract {
 /// Crocoddyl's base class of the data of contacts and impulses.
 using ForceDataAbstract = ContactDataAbstract;
 
-/// A contact. The action model evaluates all contacts at once and calls no function of this class. Therefore only the
-/// classes below derive from it.
+/// A contact. Only the classes below derive from it: the action model evaluates contacts itself, not by this class.
 class ContactModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ContactDataAbstract>;
@@ -268,8 +267,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
 
   explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);  // an empty stack
 
-  /// Throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with another
-  /// state or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for contacts of another state or nu.
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
   void removeContact(const std::string& name) { remove(name); }
   void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }

@@ -95,8 +95,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// The bounds of the active constraints; or those given to set_g_lb, set_g_ub, until constraints are added, removed
-  /// or switched.
+  /// The bounds of the active constraints, or those of set_g_lb, set_g_ub until the set of constraints changes.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
@@ -110,8 +109,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   Data& refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  // Identifies the model: data of a deleted model must not be accepted by another model at the same address. A copy,
-  // which shares the parts, may use them.
+  // Identifies the model, unlike its address, which a later model may have. Copies share the parts and the identity.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;

@@ -20,8 +20,7 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True for a user-defined class: its calcDiff computes Lx, Lu, Lxx, Lxu and Luu, which the sum adds. Otherwise the
-  /// sum reads the blocks of the residual.
+  /// True for a user-defined class: the sum adds its Lx, Lu, Lxx, Lxu, Luu. Otherwise it reads the residual's blocks.
   const bool own;
   /// Derivatives of this cost alone, without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In the
   /// data of an action model they are empty, unless the class is user-defined; call whole_derivatives instead.
@@ -45,8 +44,7 @@ class CostModelAbstract : public Printable {
   /// Uses the activation 1/2 |r|^2.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
-  /// Makes a cost without a residual: calc may write data->residual->r, which has the activation's nr numbers (none
-  /// without an activation). nu: by default nv.
+  /// Makes a cost without residual: calc may write data->residual->r (activation's nr, or none). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu = kDefaultNu);
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu)
@@ -146,8 +144,7 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Throw std::invalid_argument for a name that exists already (or does not exist), and for a cost with another state
-  /// or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for costs of another state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);

@@ -8,8 +8,7 @@ namespace manycontact {
 
 class DifferentialActionModelAbstract;
 
-/// The results of a node, with the sizes of the model. Disabled dense matrices are empty. The `_sparse` functions
-/// return their sparse counterparts.
+/// The results of a node. Dense matrices are empty if disabled; the `_sparse` functions return their counterparts.
 struct DifferentialActionDataAbstract : CostDerivatives {
   DifferentialActionDataAbstract() = default;  // allocates nothing
   /// Allocates the data of the model.
@@ -95,8 +94,7 @@ class NodeOf : public NodeAbstract {
  public:
   using DataPtr = std::shared_ptr<Data>;
 
-  /// Computes accelerations or next state, cost and constraints at x (nx), u (nu). Wrong sizes throw
-  /// std::invalid_argument.
+  /// Computes accelerations or next state, cost and constraints at x, u. Wrong sizes throw std::invalid_argument.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes cost and constraints of a terminal node, which depend on the state alone; its next state is x.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }

@@ -6,8 +6,7 @@
 
 namespace manycontact {
 
-/// The data of an impulse: Jc, f (the impulse on A [N s, N m s]), df_dx; a0 = 0, and da0_dx is d(J w)/dq with constant
-/// w = v+ + e v (e: restitution).
+/// The data of an impulse f on A [N s, N m s]: Jc, df_dx; a0 = 0; da0_dx is d(J w)/dq with constant w = v+ + e v.
 using ImpulseDataAbstract = ContactDataAbstract;
 
 /// The data of a stack of impulses. Members are set in standalone evaluation, as those of ContactDataMultiple.
@@ -112,8 +111,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
-  /// Throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with another
-  /// state.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for impulses of another state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);

@@ -1,6 +1,5 @@
 #pragma once
-// The rigid-body model of a state, as `pinocchio::Model` in Crocoddyl: a scene's robots and frames, numbered in
-// sequence.
+// The rigid-body model of a state, as `pinocchio::Model` in Crocoddyl: a scene's robots and numbered frames.
 
 #include <memory>
 

@@ -84,8 +84,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
   void print(std::ostream& os) const override;
 
  protected:
-  /// name: that of the class. next: the member that calc computes, xout or xnext. where: prefix of messages about the
-  /// step.
+  /// name: that of the class. next: the member that calc computes, xout or xnext. where: prefix of step messages.
   NodeNumDiff(const char* name, std::shared_ptr<Node> model, bool with_gauss_approx, Eigen::VectorXd NodeData::*next,
               const char* where);
   using NumDiffOf<Node>::model_;
@@ -109,8 +108,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
 class DifferentialActionModelNumDiff
     : public NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract> {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the stacked residuals, which is right for costs 1/2 |r|^2 of
-  /// weight 1. Otherwise they are second differences of the cost.
+  /// with_gauss_approx: Hessians are Rx^T Rx, ..., right for costs 1/2 |r|^2 of weight 1; otherwise second differences.
   explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
                                           bool with_gauss_approx = false);
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;

@@ -1,7 +1,6 @@
 #pragma once
-// The state x = [q; v] of a scene, nx = nq + nv, and its tangent vectors dx = [dq; dv], ndx = 2 nv. dq is expressed in
-// each joint's own child frame. The interfaces are those of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes
-// throw std::invalid_argument.
+// The state x = [q; v] of a scene (nx = nq + nv), and tangent vectors dx = [dq; dv] (ndx = 2 nv), with dq in each
+// joint's own child frame. Interfaces are those of Crocoddyl's classes. Wrong sizes throw std::invalid_argument.
 
 #include "manycontact/action/multibody.hpp"
 
@@ -73,8 +72,7 @@ class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scen
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
   Eigen::VectorXd zero() const override;
-  /// A random state: q within the joints' limits if these are finite, else within +-pi (+-1 m), with any orientation; v
-  /// within +-1.
+  /// A random state: q within the joints' limits if finite, else within +-pi (+-1 m), any orientation; v within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

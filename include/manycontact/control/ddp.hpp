@@ -8,8 +8,7 @@
 //     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t if the candidate has gaps)
 //
 // The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0, which closes all gaps. Interface,
-// algorithm and defaults are those of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al.,
-// ICRA 2020).
+// algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/solver.hpp"
 #include "manycontact/detail/control/limited_bfgs.hpp"
@@ -109,13 +108,11 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
   double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
   double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
-  /// The KKT residual of the candidate in units of get_kkt_scale(), with least_squares_multipliers; NaN if the last
-  /// solve did not compute it.
+  /// The candidate's KKT residual in units of get_kkt_scale(), with least_squares_multipliers; NaN if not computed.
   double get_kkt_residual() const { return kkt_; }
   /// The number of steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
   std::size_t get_polishing_iter() const { return polishing_; }
-  /// The backward pass of a single problem. With several subproblems these are empty, except Vx and k: read the others
-  /// from directions().
+  /// Results of the backward pass. With several subproblems only Vx and k are here, and the others in directions().
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
   const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T matrices, ndx x ndx
   const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T matrices, ndx x nu
@@ -136,10 +133,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
 
-  /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
-  /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
-  /// in their unit.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
-  /// th_kkt is above 0.
+  /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt (> 0; initially infinite). When th_stop is met,
+  /// a solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of
+  /// costs.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
   void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverDDP::set_th_kkt"); }
 
  protected:

@@ -26,8 +26,7 @@ class IntegratedActionModelEuler
 };
 
 struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of IntegratedActionModelEuler.
-  /// Throws std::invalid_argument, with storage kPanel only, for constraints, controls that change over a step, or a
-  /// state class that is not part of this library.
+  /// With kPanel, throws std::invalid_argument for constraints, controls that change over a step, user-defined states.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   IntegratorStage stage(std::size_t) const override { return {differential, control}; }

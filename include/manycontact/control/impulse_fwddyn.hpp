@@ -38,9 +38,8 @@ class ActionModelImpulseFwdDynamics
   using ImpulseModelMultiple = manycontact::ImpulseModelMultiple;
   using StateMultibody = manycontact::StateMultibody;
 
-  /// costs and constraints have nu = 0. enable_force has no effect: the derivatives of impulses are always computed.
-  /// Throws std::invalid_argument if the parts do not belong together, or r_coeff or the damping are negative or not
-  /// finite.
+  /// costs and constraints have nu = 0. enable_force has no effect: derivatives of impulses are always computed. Throws
+  /// std::invalid_argument if parts do not belong together, or r_coeff or damping are negative or not finite.
   ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
                                 std::shared_ptr<CostModelSum> costs, double r_coeff = 0, double JMinvJt_damping = 0,
                                 bool enable_force = false)

@@ -4,9 +4,8 @@
 
 namespace manycontact {
 
-/// Computes the largest violation of the optimality conditions for states, controls and multipliers. The multipliers
-/// are l_0 ... l_T of the dynamics and y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi. The bounds of h are
-/// zeros, and P is the projection onto [lo, hi]:
+/// Computes the largest violation of the optimality conditions for states, controls and multipliers l_0 ... l_T of the
+/// dynamics, y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (0 for h). P is the projection onto [lo, hi]:
 ///
 ///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
 ///     stationarity in x  lx_t + fx_t^T l_(t+1) + cx_t^T y_t - l_t,  lx_T + cx_T^T y_T - l_T

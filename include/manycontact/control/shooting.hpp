@@ -3,8 +3,7 @@
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// The interface is that of Crocoddyl's ShootingProblem. Nodes are evaluated in parallel with `get_nthreads()` threads.
-// Results do not depend on the number of threads.
+// Interface: Crocoddyl's ShootingProblem. `get_nthreads()` threads evaluate the nodes; results do not depend on them.
 
 #include <iosfwd>
 #include <limits>
@@ -75,8 +74,7 @@ class ShootingProblem {
   const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
   /// Data of node t.
   const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
-  /// Whether node t depends on x alone, as the terminal node does. Running nodes without controls are evaluated at (x,
-  /// u) with an empty u, because their state changes.
+  /// Whether node t depends on x alone: the terminal node. (Nodes without controls are evaluated at x and an empty u.)
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
   std::size_t get_nx() const { return nx_; }              // numbers of a state
   std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector

@@ -9,8 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Computes [cost; next; r; g; h] of a model at x (+) dx, u + du; a terminal node has no u. next(data): coordinates of
-/// the acceleration, or of the next state.
+/// Computes [cost; next; r; g; h] at x (+) dx, u + du (terminal: without u); next(data): acceleration or next state.
 template <class Node, class NodeData, class Next>
 struct Around {
   Node& model;

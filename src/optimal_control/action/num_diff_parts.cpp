@@ -20,8 +20,7 @@ struct Differences {
   Eigen::MatrixXd x, u;  // derivatives with respect to x and u; a terminal node has none for u
 };
 
-// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. Afterwards the data
-// are those at x, u again.
+// Differentiates value(data) of a part at x, u, and restores the data there. before(x, u) is called before each calc.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {

@@ -10,8 +10,7 @@ namespace manycontact::lq {
 
 namespace {
 
-// Relative size of the proximal term, used if S is semidefinite in w or mu. At sqrt(eps) one solve is accurate to
-// sqrt(eps), and each refinement gains as much.
+// Relative size of the proximal term if S is semidefinite in w or mu: at sqrt(eps) each refinement gains sqrt(eps).
 constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 

@@ -1,6 +1,5 @@
 #pragma once
-// Maps the vectors of a group to those of a knot: calls f(first in the group's vector, first in the knot's vector,
-// size) for each piece.
+// Maps a group's vectors to a knot's: calls f(first in the group's vector, first in the knot's, size) for each piece.
 
 #include "manycontact/lq/problem.hpp"
 

@@ -16,8 +16,7 @@ bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum())
 // Weight of |D v|^2, relative to the sizes of Qvv and D, that shows whether Qvv is positive definite where D v = 0.
 constexpr double kConvexWhereFeasible = 1e6;
 
-// Smallest pivot of the LU relative to the largest one, whatever their units. Below it the matrix is singular to
-// working precision.
+// Smallest relative pivot of the LU (regardless of units): below it the matrix is singular to working precision.
 constexpr double kSingularPivot = 1e-14;
 
 }  // namespace

@@ -118,8 +118,7 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   return out;
 }
 
-// Returns for example "infeasible constraints: there, by 4.03 at node 40" or "iterations; constraints are missed: ...",
-// largest violations first.
+// Returns e.g. "infeasible constraints: there, by 4.03 at node 40"; the largest violations come first.
 std::string with_violations(StopReason reason, std::vector<TaskViolation> violations) {
   std::sort(violations.begin(), violations.end(), [](const auto& a, const auto& b) { return a.by > b.by; });
   std::ostringstream text;

@@ -15,8 +15,7 @@ void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
 
-// A part's robots and contacts: indices in the whole scene; robot_at, contact_at: the reverse, or -1 if not in the
-// part.
+// A part's robots and contacts: indices in the whole scene; robot_at, contact_at: the reverse, or -1.
 struct Share {
   std::vector<int> robots, contacts, robot_at, contact_at;
 };

@@ -226,8 +226,7 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
-// Selects the matrices that the nodes of a part store. Panels need one island: one robot, whatever its contacts, with
-// torques. An augmented Lagrangian needs matrices.
+// Selects the storage of a part's nodes: panels for one island (one robot) with torques, Euler, and no constraints.
 MatrixStorage storage_of(const TaskFile& part) {
   const Scene& scene = part.scene.scene;
   const bool panel =

@@ -9,8 +9,7 @@
 
 namespace manycontact {
 
-/// The axes of a cone: those of the contact's reference frame (as in Crocoddyl), of A, of the world, or of B'. For a
-/// point foot that tilts on the ground, use the world's axes.
+/// Axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for point feet that tilt), or B'.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
 /// The common base: r = B f - b. In the contact's axes B and b are constant until the reference changes; in other axes

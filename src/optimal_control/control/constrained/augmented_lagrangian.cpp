@@ -220,9 +220,8 @@ void SolverAugmentedLagrangian::measureViolation() {
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Computes violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers.
-// (Those of a plain adjoint recursion would grow with the robots' unstable motions.) The gradient of the augmented
-// Lagrangian is that of the Lagrangian at y+.
+// Computes violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers
+// (an adjoint recursion's grow with unstable motions). The augmented Lagrangian has the Lagrangian's gradient at y+.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
   inner_->set_preg(inner_->get_reg_min() * scale_);
@@ -293,8 +292,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
     curved_ = false;
   } else if (const double least = rho_init_ * std::min(scale_, kkt_scale_);
              small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > least) {
-    // The rounding errors of the constraints, times the penalty, are the errors of the multipliers. Good multipliers
-    // need a smaller penalty.
+    // The constraints' rounding errors, times the penalty, are errors of the multipliers: these need a smaller penalty.
     set_penalty(std::max(rho_ / rho_factor_, least));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,

@@ -4,8 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Computes kkt_residual from evaluated nodes. work: workspace, which grows if needed. Several subproblems allocate
-/// more memory at each call.
+/// Computes kkt_residual from evaluated nodes. work: grows if needed; several subproblems allocate more at each call.
 double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                              const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
                              const std::vector<Eigen::VectorXd>& ys, double scale, Eigen::VectorXd& work);

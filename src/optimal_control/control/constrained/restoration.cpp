@@ -140,9 +140,8 @@ void AL::regulariseLeast(Restoration& own) {
   own.solver->set_reg_min(kRegularised * std::min(1.0, std::max(kSmallest, size * size)));
 }
 
-// Minimises the violation from the candidate and replaces the candidate by the result. Near a stretched arm the model
-// of Gauss-Newton predicts the whole reduction, but its steps reduce almost nothing. Quasi-Newton steps include the
-// curvature and converge there.
+// Minimises the violation from the candidate, and makes the result the candidate. Near a stretched arm Gauss-Newton
+// predicts the whole reduction, but its steps reduce almost nothing; quasi-Newton steps include the curvature.
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
@@ -278,9 +277,8 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether the controls, moved as far as their limits allow, would avoid only a small share of the squared violation, to
-// first order around the candidate or around the motion without controls. For linear motions this is a bound of the
-// least violation (the gap of Frank and Wolfe).
+// Whether controls moved as far as their limits allow would avoid only a small share of the squared violation, to first
+// order around the candidate or zero controls. For linear motions this bounds the least violation (Frank-Wolfe gap).
 bool AL::isBeyondLimits(Restoration& own) {
   if (!own.solver->keeps_limits()) return false;
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;

@@ -25,8 +25,7 @@ struct HeldVelocities {
 
   /// Computes a_x, a_w (nv x ndx, nv x nw) in F, after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// Changes F (ndx x (ndx + nw)) from the derivatives of [q + h x; x], on the tangent space at q, to those of the next
-  /// state.
+  /// Changes F (ndx x (ndx + nw)) from derivatives of [q + h x; x], in q's tangent space, to those of the next state.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
@@ -53,8 +52,7 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // Adds the torques of external wrenches and springs to those of the motors at q, v; differentiate_torques adds their
-  // derivatives in dtau_dx_.
+  // Add external wrenches and springs to the motors' torques at q, v, and their derivatives to dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {

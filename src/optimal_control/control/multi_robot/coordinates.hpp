@@ -75,8 +75,7 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
   stack(datas.size(), h, to.h);
 }
 
-/// Returns the rows of a node's [g; h] that belong to each subproblem. terminal: the node is evaluated by its state
-/// alone.
+/// Returns the rows of a node's [g; h] of each subproblem. terminal: the node is evaluated by its state alone.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
   std::vector<std::vector<int>> out(parts.size());

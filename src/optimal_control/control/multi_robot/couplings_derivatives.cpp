@@ -67,9 +67,8 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-// Adds the rotation of the frame of r2, the term delta f, and the rows of force components that are not transmitted. F
-// is the force in A's moving axes. With the rotation th of a world-aligned frame and s = J_A dq_A, d(W F) = W (X^T w -
-// s x* F + th x F).
+// Adds the rotation of the frame of r2, the term delta f, and rows of force components that are not transmitted. F:
+// force in A's axes. With the rotation th of a world-aligned frame, s = J_A dq_A: d(W F) = W (X^T w - s x* F + th x F).
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -105,8 +104,7 @@ struct PartGradient {
   }
 };
 
-// Computes Lx + A^T next and Lu + B^T next of all subproblems at constant wrenches, and by_w, the gradient with respect
-// to the wrenches.
+// Computes Lx + A^T next, Lu + B^T next of all subproblems at constant wrenches, and the gradient by_w of the wrenches.
 void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
                        VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);

@@ -50,8 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Indices of (i, j) and (j, i) in the values of dtau_du, for each packed entry (i, its ancestor j); dtau_dx begins
-  // with the same pattern.
+  // Indices in dtau_du's values of (i, j), (j, i), for each packed entry (i, ancestor j); dtau_dx begins with the same.
   std::vector<int> lower, upper;
 };
 

@@ -148,8 +148,7 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
-    // Crocoddyl's rule may stop near the optimum instead of at it. This is decided by th_kkt, or by the gap if no
-    // th_kkt was set.
+    // Crocoddyl's rule may stop near the optimum instead of at it: th_kkt decides, or the gap if th_kkt is not set.
     const bool by_kkt = std::isfinite(th_kkt_);
     const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !by_kkt;
     if (!(doubted && !isOptimalWithinLimits()) && !(reason_ == StopReason::kNoStep && is_feasible_)) break;

@@ -297,8 +297,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Uses the whole Quu, since the box QP's inverse would not move controls that it clamped, then omits controls at
-// limits.
+// Uses the whole Quu, since the box QP's inverse would not move clamped controls; then omits controls at limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

@@ -20,8 +20,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
       problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
 }
 
-// The accepted excess of cost over the optimum for a candidate within limits: th_stop of solvers without limits, or
-// rounding errors.
+// The accepted excess of cost over the optimum within limits: th_stop of solvers without limits, or rounding errors.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
 // Restores a number at the end of the scope.
@@ -32,8 +31,7 @@ struct Restore {
 
 }  // namespace
 
-// The predicted reduction may be below the rounding errors of the cost before the stopping rule is met. The KKT
-// residual is not affected.
+// Before the stopping rule is met, predicted reductions may be below the cost's rounding errors; KKT residuals are not.
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the data are those of the last trial step
   calcDiff();
@@ -41,8 +39,7 @@ StopReason SolverDDP::judgeWithoutStep() {
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Whether the expected reduction at the least regularisation is small too: a large regularisation makes every step
-// short. The regularisation is not changed.
+// Whether the expected reduction at the least regularisation is small too: large ones make every step short.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
@@ -101,8 +98,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   return StopReason::kNoStep;
 }
 
-// Continues from a candidate that meets the stopping rule. Steps are accepted untested if their expected gain is below
-// the cost's rounding error.
+// Continues from a candidate that meets the stopping rule; accepts steps whose gain is below the cost's rounding error.
 StopReason SolverDDP::polish(std::size_t maxiter) {
   const Restore restore{th_grad_, th_grad_};
   th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
@@ -131,9 +127,8 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Directions from a candidate with gaps ignore the limits. All their steps may be useless, and they leave controls at
-// one limit or the other. The motion that the guess's controls cause has no gaps, and directions from it include the
-// limits.
+// Directions from a candidate with gaps ignore the limits. Their steps may all be useless, and leave controls at
+// limits. The motion of the guess's controls has no gaps, and directions from it include the limits.
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];

@@ -22,7 +22,7 @@ struct OptimizedTask {
   std::vector<PlanFinding> findings = {};
 };
 
-/// Writes the JSON of design.md, section 7, to `path`; "-" is standard output. Throws InputError if this fails.
+/// Writes task, solution, findings and report as JSON to `path`; "-" is standard output. Throws InputError on failure.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
 /// Writes CSV in the columns of `simulate`: a row per node, except for impacts, whose time is that of the next node.

@@ -1,10 +1,9 @@
 #pragma once
-// A subproblem whose nodes are ActionModelParts with couplings: robots in contact with each other. The direction of
-// FDDP is the solution (dx, du) of the linear-quadratic problem around the candidate, with the wrenches of the
-// couplings as variables (couplings.hpp, lq/problem.hpp). The lq::DirectionSolver of least predicted operations
-// computes it: a Riccati recursion per robot and a Schur complement of the couplings, or islands through time. The
-// direction equals that of SolverFDDP on nodes of the whole scene, with the same regularisation (rho on the states and
-// on the controls, none on wrenches).
+// A subproblem whose nodes are ActionModelParts with couplings: robots in contact. The direction of FDDP is the
+// solution (dx, du) of the linear-quadratic problem around the candidate, with the couplings' wrenches as variables
+// (couplings.hpp, lq/problem.hpp). The lq::DirectionSolver of least predicted operations computes it: a Riccati
+// recursion per robot and a Schur complement of the couplings, or islands through time. It equals that of SolverFDDP on
+// nodes of the whole scene, with the same regularisation (rho on states and controls, none on wrenches).
 //
 // The forward pass is FDDP's with other gains. SolverFDDP's K = -du/dx of the whole scene is dense, and never appears;
 // here each robot has the gains K_i of its own recursion, which takes the wrenches on it as given, and
@@ -42,8 +41,7 @@ class CoupledDirection : public Direction {
   const lq::Outcome& outcome() const { return outcome_; }
 
   void resize() override;
-  /// Returns false also if the direction's KKT error exceeds lq::kAccurate, e.g. with redundant, inconsistent
-  /// couplings.
+  /// Returns false also if the KKT error exceeds lq::kAccurate, e.g. with redundant, inconsistent couplings.
   bool compute(double preg, double dreg) override;
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }

@@ -1,7 +1,6 @@
 #pragma once
-// A search direction of SolverDDP: the linear-quadratic problem around the candidate of one subproblem (only
-// SolverSparse has several), its solution and feedback. Line search, regularisation and stopping are decided by the
-// solver, which sees sums over all directions.
+// A search direction of SolverDDP: the linear-quadratic problem around the candidate of a subproblem (only SolverSparse
+// has several), its solution and feedback. Solvers decide on line search, regularisation and stopping, by sums.
 //
 //   RiccatiDirection   the recursion of ddp.hpp, on nodes of matrices (control/riccati_direction.hpp)
 //   BoxDirection       the same with the models' limits on controls
@@ -48,8 +47,7 @@ class Direction {
   /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
   /// by the step length only. The cost is NaN if numbers are not finite.
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// Returns (dg, dq): a step of length s is expected to reduce the cost by s (dg + s dq / 2). gaps: include their
-  /// terms.
+  /// Returns (dg, dq): a step of length s should reduce the cost by s (dg + s dq / 2); gaps: include their terms.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
   virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp, at the trial states
   virtual double expected_reduction() const = 0;  // the expected reduction of a full step from a candidate without gaps

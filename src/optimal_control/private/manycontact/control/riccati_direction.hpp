@@ -1,7 +1,6 @@
 #pragma once
-// The backward pass of SolverDDP (ddp.hpp) on the nodes' matrices, or on the panels of IntegratedActionModelEuler.
-// BoxDirection solves a box QP for each node's controls (box_solvers.hpp). Nodes of symplectic Euler take half the
-// operations (lq/riccati_step.hpp).
+// The backward pass of SolverDDP (ddp.hpp) on matrices, or on panels of IntegratedActionModelEuler; BoxDirection with a
+// box QP per node (box_solvers.hpp). Nodes of symplectic Euler take half the operations (lq/riccati_step.hpp).
 
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/direction.hpp"
@@ -46,8 +45,7 @@ class RiccatiDirection : public Direction {
  protected:
   void step_control(std::size_t t, double steplength) override;
   virtual void limit_control(std::size_t) {}  // moves us_try[t] onto the limits
-  /// Sets gradient entries of node t to zero for controls at limits that a step would exceed; they are fixed from then
-  /// on.
+  /// Sets gradient entries of node t to zero for controls at limits that a step would exceed, and fixes these.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu

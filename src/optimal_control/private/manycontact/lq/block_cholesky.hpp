@@ -27,8 +27,7 @@ class BlockCholesky {
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
   void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 
-  /// Adds `relative` times the largest entry of each vertex's rows to its diagonal, by its sign. This makes a
-  /// semidefinite S quasi-definite.
+  /// Adds `relative` times the largest entry of a vertex's rows to its diagonal, by sign, to make S quasi-definite.
   void add_proximal_term(double relative);
 
   /// Returns the first vertex with a pivot below `least` times its terms (or of wrong sign); -1 if there is none.

@@ -1,6 +1,5 @@
 #pragma once
-// The optimality conditions H z + h = 0 of a problem, with z = (x, u, w, lambda, mu) and symmetric H. All direction
-// solvers are judged by them.
+// The optimality conditions H z + h = 0, z = (x, u, w, lambda, mu), H symmetric, by which solvers are judged.
 
 #include "manycontact/lq/problem.hpp"
 
@@ -9,9 +8,8 @@ namespace manycontact::lq {
 /// Sets h: q in x, r in u and w, (x0, f of knots 0 ... T-1) in lambda, d in mu.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
-/// Computes residual = H z + h. Returns the largest error over the equations: each |residual| relative to the largest
-/// sum of |terms| in its block (of a knot). It is 0 if all terms are 0, and NaN if any is NaN. `scale` is workspace of
-/// the same sizes.
+/// Computes residual = H z + h. Returns the largest error over the equations: |residual| relative to the largest sum of
+/// |terms| in its block (of a knot); 0 if all terms are 0, NaN if any is NaN. `scale`: workspace of the same sizes.
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 

@@ -8,11 +8,10 @@
 //              x_g(k+1) = A x_g + B v_g + f                    each group g of knot k < T
 //              sum over the groups g that coupling b touches of its rows of  C x_g + D v_g + d  = 0     each coupling b
 //
-// x_g has the states of g's blocks, one after the other. v_g = [u_g; w_g] has the controls of its blocks, then the
-// variables of the couplings that act on it. A coupling connects groups that are no dense block together. Its variables
-// w_b (a contact's force and common acceleration) occur in each of these groups, and its equations sum over the groups.
-// A coupling without variables that acts on one group is an equality constraint on it. The terminal knot has no
-// controls and no dynamics.
+// x_g has the states of g's blocks, in sequence. v_g = [u_g; w_g] has the controls of its blocks, then the variables of
+// the couplings on it. A coupling connects groups that are no dense block together. Its variables w_b (a contact's
+// force and common acceleration) occur in each of these groups, and its equations sum over them. A coupling without
+// variables on one group is an equality constraint. The terminal knot has no controls and no dynamics.
 //
 // With multipliers lambda_k of x_k's equation and mu_b of a coupling's, the optimum satisfies (kkt.hpp)
 //
@@ -98,9 +97,8 @@ struct Point {
   Point() = default;
 };
 
-/// Added to the diagonals of the problem: Q + x I, R + u I for controls (not w), and C x + D v + d - rows mu = 0.
-/// Crocoddyl's preg and dreg; `rows` is the step of a proximal (augmented Lagrangian) method on the couplings'
-/// equations.
+/// Added to the diagonals: Q + x I, R + u I for controls (not w), and C x + D v + d - rows mu = 0. x, u: Crocoddyl's
+/// preg, dreg; `rows`: the step of a proximal (augmented Lagrangian) method on the couplings' equations.
 struct Regularisation {
   double x = 0, u = 0, rows = 0;
 };

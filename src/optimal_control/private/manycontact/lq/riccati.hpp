@@ -32,8 +32,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
   };
 
-  /// kAll is the dense recursion, the reference. kIslands computes by clusters. kNoCouplings leaves couplings out, as
-  /// if w and mu were zero.
+  /// kAll: the dense recursion, a reference. kIslands: by clusters. kNoCouplings: as if the couplings' w, mu were zero.
   explicit Riccati(Join join) : join_(join) {}
 
   const char* name() const override;
@@ -58,8 +57,8 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   void expand_next_value(const Problem& problem, int k, int c);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
-  /// Computes x, u, lambda (w and mu of couplings within clusters) of the z with H z + h = 0. The policies' k and p
-  /// remain unchanged.
+  /// Computes x, u, lambda (w, mu of couplings within clusters) of the z with H z + h = 0; leaves the policies
+  /// unchanged.
   void pass(const Problem& problem, const Point& h, Point& z);
   void backward(const Problem& problem, const Point& h, int k);
   void forward(const Problem& problem, const Point& h, int k, Point& z);

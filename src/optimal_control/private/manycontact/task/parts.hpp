@@ -26,12 +26,10 @@ std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 /// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose couplings are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
-/// Returns the coordinates of these robots among the scene's x, dx, u, in the order of part_of's scene; without a
-/// model.
+/// Returns the coordinates of these robots among the scene's x, dx, u, in part_of's order; without a model.
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
 
-/// The rows of a residual of single coordinates of the whole scene (of its dx, velocities or u) that belong to these
-/// robots, in the same order.
+/// Returns the rows, of a residual of the whole scene's single coordinates, that belong to these robots, in order.
 std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots);
 
 }  // namespace manycontact

@@ -1,6 +1,5 @@
 #pragma once
-// Checks of a plan that solvers do not make: where contacts close, which joints exceed their limits, which goals are
-// missed, and the share of each cost.
+// Checks that solvers do not make: where contacts close, exceeded limits, missed goals, and the share of each cost.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/task/optimize.hpp"
