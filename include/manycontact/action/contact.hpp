@@ -26,7 +26,7 @@ struct ContactForce : Eigen::VectorXd {
   Vec6<double> toVector() const;                                 // the whole wrench [linear; angular]
   Vec3<double> linear() const { return toVector().head<3>(); }   // the force
   Vec3<double> angular() const { return toVector().tail<3>(); }  // the moment
-  ContactType type = ContactType::k6D;                           // the contact's type and axis
+  ContactType type = ContactType::k6D;
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
@@ -47,7 +47,7 @@ struct ContactDataAbstract {
   FrameIndex frame = 0;
   int index = -1;  // number of the contact in the scene of the action's data
   bool active = true;
-  const Contact* contact = nullptr;  // entry of that scene; own_contact in standalone evaluation
+  const Contact* contact = nullptr;  // entry of the action's scene; own_contact in standalone evaluation
 
   // Members for standalone evaluation.
   MultibodyData* pinocchio = nullptr;

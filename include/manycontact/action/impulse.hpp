@@ -98,7 +98,7 @@ class ImpulseModelOfScene final : public ImpulseModelAbstract {
 struct ImpulseItem {  // An impulse, its name, and whether it is active.
   std::string name;
   std::shared_ptr<ImpulseModelAbstract> impulse;
-  bool active = true;  // set by changeImpulseStatus
+  bool active = true;
 };
 
 /// The impulses of an action model, by name. Their rows are stacked in the order of names.

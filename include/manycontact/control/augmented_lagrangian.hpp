@@ -113,7 +113,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
-    std::vector<int> rows;  // rows of the node's [g; h] that belong to it
+    std::vector<int> rows;  // rows of the node's [g; h] in this model
   };
   struct Copy {  // a model and its data
     std::shared_ptr<ActionModelAbstract> model;
@@ -167,7 +167,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   void updateMultipliers();
 
   MakeSolver make_;
-  bool augments_all_ = false;  // also nodes and subproblems without constraints
+  bool augments_all_ = false;  // augments nodes and subproblems without constraints too
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
   std::vector<Node> nodes_;  // T + 1
@@ -188,7 +188,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   StopReason ended_ = StopReason::kNone;  // why the minimisation ended
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // consecutive minimisations without progress
-  int flat_ = 0;                          // consecutive minimisations without progress of constraints that dominate
+  int flat_ = 0;                          // consecutive minimisations in which dominating constraints made no progress
   std::size_t outer_ = 0, restorations_ = 0;
   double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;

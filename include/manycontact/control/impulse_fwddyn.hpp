@@ -111,7 +111,7 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   Eigen::VectorXd x;               // state of the last calc
   std::vector<bool> status;        // whether each cost, then each constraint, was active at the last calc
   std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks were made for
-  std::vector<FrameIndex> frames;  // frames of the impulses at that time
+  std::vector<FrameIndex> frames;  // frames of the impulses that the blocks were made for
 };
 
 }  // namespace manycontact

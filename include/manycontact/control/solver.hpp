@@ -122,12 +122,12 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   std::shared_ptr<ShootingProblem> problem_;
   Vectors xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
-  bool is_feasible_ = false, was_feasible_ = false;  // whether the candidate, and the previous one, is feasible
+  bool is_feasible_ = false, was_feasible_ = false;
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
-  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, actual and expected
+  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;
   double dfeas_ = 0, feas_ = 0, ffeas_ = 0, gfeas_ = 0, hfeas_ = 0, ffeas_try_ = 0, gfeas_try_ = 0, hfeas_try_ = 0;
-  double preg_ = 0, dreg_ = 0;  // regularisation of the primal and dual variables
+  double preg_ = 0, dreg_ = 0;
   double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
   FeasibilityNorm feasnorm_ = LInf;
   std::size_t iter_ = 0, reported_ = 0;  // reported_: iterations of the solve that callbacks have received

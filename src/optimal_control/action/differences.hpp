@@ -1,5 +1,4 @@
 #pragma once
-// Jacobians of functions by central differences.
 
 #include "manycontact/action/state.hpp"
 

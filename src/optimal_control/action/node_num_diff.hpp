@@ -1,5 +1,4 @@
 #pragma once
-// Derivatives of a node by central differences, in continuous and in discrete time.
 
 #include <cmath>
 #include <ostream>

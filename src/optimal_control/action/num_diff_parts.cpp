@@ -44,8 +44,6 @@ Differences differences(Model& model, const std::shared_ptr<Data>& data, const E
 
 }  // namespace
 
-// ---- state
-
 StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
     : StateAbstract(internal::given("StateNumDiff", state)->get_nx(), state->get_ndx()),
       state_model_(std::move(state)) {
@@ -84,8 +82,6 @@ void StateNumDiff::JintegrateTransport(const ConstVectorRef& x, const ConstVecto
   Jin = (Jintegrate_Js(x, dx, which)[0] * Jin).eval();
 }
 
-// ---- activation
-
 ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model)
     : ActivationDataAbstract(model->get_nr()), data_0(model->get_model()->createData()) {
   Arr_.setZero(Ar.size(), Ar.size());
@@ -117,8 +113,6 @@ void ActivationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef&
   d.Arr.diagonal() = d.Arr_.diagonal();
   calc(data, r);
 }
-
-// ---- actuation
 
 ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
     : ActuationDataAbstract(model), data_0(model->get_model()->createData()) {
@@ -161,8 +155,6 @@ void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVect
   data->Mtau = inverse.pseudoInverse();
 }
 
-// ---- residual
-
 std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
   auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
   lay_out(*data);
@@ -185,8 +177,6 @@ void ResidualModelNumDiff::differences_of(const DataPtr& data, const Eigen::Vect
   if (!terminal) d.Ru = by.u;
   d.r = d.data_0->r;
 }
-
-// ---- cost and constraint
 
 template <class Model, class Data>
 void PartNumDiff<Model, Data>::differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
@@ -242,8 +232,6 @@ void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::Mat
   d.Hu = by_u->bottomRows(d.h.size());
 }
 
-// ---- contact
-
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
   const StateMultibody& state = *model_->get_state();
   const Eigen::VectorXd no_controls = Eigen::VectorXd::Zero(size(model_->get_nu()));
@@ -256,8 +244,6 @@ void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& d
                           [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
   (void)a0(x);
 }
-
-// ---- a node in continuous time
 
 template class NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract>;
 

@@ -78,8 +78,6 @@ void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, 
 
 }  // namespace
 
-// ---- analyse --------------------------------------------------------------------------------------------------
-
 void CouplingSchur::do_analyse(const Problem& problem) {
   riccati_.analyse(problem);
   const Plan& plan = riccati_.plan();
@@ -115,8 +113,6 @@ void CouplingSchur::do_analyse(const Problem& problem) {
   y_.resize(schur_.size());
 }
 
-// ---- factorize ------------------------------------------------------------------------------------------------
-
 Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation& reg) {
   const Outcome outcome = riccati_.factorize(problem, reg);
   if (outcome.status != Status::kOk) return outcome;
@@ -139,8 +135,6 @@ void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg
     for (int v = 0; v < schur_.vertices(); v += 2) schur_.add_diagonal(v, -reg.rows);
   for (int c = 0; c < static_cast<int>(graph_.nodes.size()); ++c) respond(problem, c);
 }
-
-// ---- solve ----------------------------------------------------------------------------------------------------
 
 void CouplingSchur::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
   riccati_.pass(problem, h, z);

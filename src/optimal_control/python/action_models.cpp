@@ -1,5 +1,3 @@
-// Contacts, impulses and differential action models.
-
 #include "action.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
@@ -81,8 +79,6 @@ void add_impulses(py::module_& m) {
       .read<&Multiple::get_nc>()
       .def("__str__", &text_of<Multiple>);
 }
-
-// ---- differential action models ------------------------------------------------------------------------------------
 
 using Abstract = DifferentialActionModelAbstract;
 using AbstractData = DifferentialActionDataAbstract;

@@ -1,5 +1,3 @@
-// Nodes of optimal control problems.
-
 #include "action.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"

@@ -1,5 +1,3 @@
-// Cones, costs and constraints.
-
 #include "action.hpp"
 #include "manycontact/action/cones.hpp"
 #include "manycontact/action/constraint.hpp"

@@ -1,5 +1,3 @@
-// Residuals of costs and constraints.
-
 #include "action.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"

@@ -1,5 +1,3 @@
-// Shooting problems, solvers and callbacks.
-
 #include "action.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"

@@ -1,13 +1,9 @@
-// States, actuations and activations.
-
 #include "action.hpp"
 #include "manycontact/model/expect_state.hpp"
 
 namespace manycontact::python {
 
 namespace {
-
-// ---- states and actuations -----------------------------------------------------------------------------------------
 
 // Checks that x of a StateMultibody is a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
@@ -123,8 +119,6 @@ void add_actuations(py::module_& m) {
   shared<ActuationModelFloatingBase, PyActuation<ActuationModelFloatingBase>, ActuationModelSelection>(m)
       .constructors<void(State)>();
 }
-
-// ---- activations ---------------------------------------------------------------------------------------------------
 
 struct PyActivation : ActivationModelAbstract {
   using ActivationModelAbstract::ActivationModelAbstract;

@@ -1,5 +1,3 @@
-// Motions of task files.
-
 #include "action.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/task/simulate.hpp"

@@ -312,7 +312,7 @@ void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
 }
 
 void take_dense_recursion(Run& run) {
-  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // the whole scene in one
+  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // not divided into blocks
   dense.xs = run.problem.xs;
   dense.us = run.problem.us;
   dense.multipliers = run.problem.multipliers;

@@ -191,8 +191,6 @@ std::vector<PlanLimit> limits_passed(const TaskFile& task, const Vectors& xs, co
   return out;
 }
 
-// ---- costs by term
-
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem) {
   const ShootingProblem& shooting = *problem.problem;
   const auto terms = terms_by_item(task);
@@ -208,8 +206,6 @@ std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& prob
   std::stable_sort(out.begin(), out.end(), [](const PlanCost& a, const PlanCost& b) { return a.cost > b.cost; });
   return out;
 }
-
-// ---- findings
 
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& s,
                                        const std::vector<PlanCost>& costs) {

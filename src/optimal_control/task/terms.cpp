@@ -264,8 +264,6 @@ std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& p) {
   }
 }
 
-// ---- activations and bounds
-
 Eigen::VectorXd repeated(const Eigen::VectorXd& x, int copies) { return x.replicate(copies, 1); }
 
 Eigen::VectorXd lower_of(const TaskTerm& term, const Residual& r) {

@@ -1,5 +1,4 @@
 #pragma once
-// Tasks whose only constraints are bounds of the torques.
 
 #include "manycontact/task/problem.hpp"
 

@@ -171,8 +171,6 @@ Vec6<double> ContactForce::toVector() const {
   return P * *this;
 }
 
-// ---- one contact
-
 std::shared_ptr<ContactDataAbstract> ContactModelAbstract::createData(MultibodyData* data) const {
   return create(*this, nu_, data);
 }

@@ -1,5 +1,3 @@
-// Fills the action's data from the scene's solution.
-
 #include <algorithm>
 #include <limits>
 

@@ -110,8 +110,6 @@ void ActivationModelWeightedQuadraticBarrier::set_weights(const Eigen::VectorXd&
   weights_ = weights;
 }
 
-// ---- smooth norms, and activations of |r|: barrier, flat far out
-
 namespace {
 
 double positive(const std::string& where, const char* what, double number) {

@@ -1,5 +1,4 @@
 #pragma once
-// Helpers of the residuals' sources.
 
 #include "manycontact/action/residual.hpp"
 

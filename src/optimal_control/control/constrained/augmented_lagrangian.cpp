@@ -82,8 +82,6 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
 
 SolverAugmentedLagrangian::~SolverAugmentedLagrangian() = default;
 
-// ---- the method of multipliers ------------------------------------------------------------------------------------
-
 bool SolverAugmentedLagrangian::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter,
                                       bool is_feasible, double init_reg) {
   start(init_xs, init_us, is_feasible);
@@ -302,8 +300,6 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   last_violation_ = violation_;
   best_kkt_ = std::min(best_kkt_, kkt_);
 }
-
-// ---- settings -----------------------------------------------------------------------------------------------------
 
 void SolverAugmentedLagrangian::set_penalty(double penalty) {
   kPenalty.set(rho_, penalty, kSolverAugmentedLagrangian);

@@ -221,8 +221,6 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
   return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, scale, work);
 }
 
-// ---- least-squares multipliers
-
 namespace {
 
 // Whether control i of u is at a limit that is taken into account.

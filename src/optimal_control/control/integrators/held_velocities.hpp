@@ -62,7 +62,7 @@ struct HeldVelocities {
   Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
   Eigen::VectorXd torques_, torques_of_motion_;     // nv: motors, external wrenches and springs; less the bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: derivatives of torques_; every entry is stored
-  std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
+  std::unique_ptr<AppliedForces<double>> applied_;  // nullptr without applied forces
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv

@@ -1,5 +1,4 @@
 #pragma once
-// Common parts of the integrators: results of the differential model's data that they pass on.
 
 #include "manycontact/control/integrated_action.hpp"
 

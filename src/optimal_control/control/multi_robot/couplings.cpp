@@ -1,5 +1,3 @@
-// Coupled subproblems: structure and values.
-
 #include "manycontact/detail/control/couplings.hpp"
 
 #include <algorithm>

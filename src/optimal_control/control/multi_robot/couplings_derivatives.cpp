@@ -1,5 +1,3 @@
-// Coupled subproblems: derivatives.
-
 #include <Eigen/LU>
 #include <cassert>
 

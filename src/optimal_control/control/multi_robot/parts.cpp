@@ -213,8 +213,6 @@ void ActionModelParts::print(std::ostream& os) const {
   os << "}";
 }
 
-// ---- the subproblems of a shooting problem
-
 namespace {
 
 constexpr const char* kSeparate = "separate";

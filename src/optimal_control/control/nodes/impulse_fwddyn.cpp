@@ -50,7 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Indices in dtau_du's values of (i, j), (j, i), for each packed entry (i, ancestor j); dtau_dx begins with the same.
+  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, its ancestor j).
   std::vector<int> lower, upper;
 };
 

@@ -140,8 +140,6 @@ void ActionModelLQR::differentiate(ActionDataAbstract& d, const ConstVectorRef& 
   d.Fu = B_;
 }
 
-// ---- in continuous time
-
 DifferentialActionModelLQR::DifferentialActionModelLQR(const M& Aq, const M& Av, const M& B, const M& Q, const M& R,
                                                        const M& N)
     : DifferentialActionModelLQR(Aq, Av, B, Q, R, N, zeros(Aq.cols()), zeros(2 * Aq.cols()), zeros(B.cols())) {}

@@ -1,5 +1,4 @@
 #pragma once
-// Loops over nodes, which do not depend on each other.
 
 #include <chrono>
 #include <exception>

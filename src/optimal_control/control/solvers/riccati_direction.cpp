@@ -264,8 +264,6 @@ void RiccatiDirection::precondition_feed_forward(Vectors& g) {
 
 std::vector<Direction::Gains> RiccatiDirection::gains(std::size_t t) const { return {{part_.dx, part_.u[t], K_[t]}}; }
 
-// ---- within the limits of controls
-
 void BoxDirection::resize() {
   RiccatiDirection::resize();
   const std::size_t T = part_.problem->get_T();

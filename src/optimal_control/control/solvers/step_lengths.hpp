@@ -1,5 +1,4 @@
 #pragma once
-// Step lengths of line searches.
 
 #include <cmath>
 #include <vector>

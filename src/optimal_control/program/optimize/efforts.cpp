@@ -1,5 +1,3 @@
-// Largest torques against limits, contact forces against cones.
-
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -1,5 +1,3 @@
-// Prints where centres of mass and frames went.
-
 #include <set>
 
 #include "manycontact/detail/algorithm/energy.hpp"

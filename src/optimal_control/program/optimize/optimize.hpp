@@ -16,7 +16,7 @@ struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
-  const std::vector<TaskNode> nodes;  // the task's timeline
+  const std::vector<TaskNode> nodes;
   std::optional<SimulatedMotion> simulation;
   std::vector<PlanCost> costs = {};  // one entry per cost of the task file
   std::vector<PlanFinding> findings = {};

@@ -1,5 +1,3 @@
-// The share of each cost, and parts of the plan that deserve attention.
-
 #include <algorithm>
 
 #include "optimize.hpp"

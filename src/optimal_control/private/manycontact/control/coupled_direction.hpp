@@ -45,7 +45,7 @@ class CoupledDirection : public Direction {
   bool compute(double preg, double dreg) override;
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
-  /// These do what RiccatiDirection's do: K is the clusters' gains, and the coupled Hessian replaces diag(Quu).
+  /// These correspond to RiccatiDirection's, with the clusters' gains K and the coupled Hessian instead of diag(Quu).
   void set_feed_forward(const Vectors& nu) override;
   void feed_forward_gradient(Vectors& g) override;
   void precondition_feed_forward(Vectors& g) override;

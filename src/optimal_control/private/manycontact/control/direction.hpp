@@ -74,7 +74,7 @@ class Direction {
   bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
 
  private:
-  friend class SolverDDP;  // gathers and scatters
+  friend class SolverDDP;
   using Vector = Eigen::VectorXd;
   void take(const Vector& whole, const std::vector<int>& index, Vector& own) const;
   void give(const Vector& own, const std::vector<int>& index, Vector& whole) const;

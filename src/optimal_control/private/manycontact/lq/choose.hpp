@@ -1,5 +1,4 @@
 #pragma once
-// Chooses the direction solver with the fewest predicted operations.
 
 #include <memory>
 

@@ -14,7 +14,6 @@ struct CouplingPart {
   int vertex, offset;  // place in the Schur complement
 };
 
-/// A cluster in a knot.
 struct CouplingNode {
   int cluster = 0;  // index of the cluster in the plan's knot
   std::vector<CouplingPart> parts;

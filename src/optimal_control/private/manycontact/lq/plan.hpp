@@ -12,7 +12,6 @@ struct Piece {
   int from, size, to;
 };
 
-/// A group of a cluster.
 struct Member {
   int group;
   int x, nx;                // first index of its states in the cluster's x, and their number

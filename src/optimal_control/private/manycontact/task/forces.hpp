@@ -1,5 +1,4 @@
 #pragma once
-// Contact forces along a motion.
 
 #include "manycontact/task/problem.hpp"
 

@@ -13,7 +13,7 @@ class ResidualOfInner : public ResidualModelAbstract {
   using ResidualModelAbstract::calc;
   using ResidualModelAbstract::calcDiff;
 
-  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }  // the other residual
+  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }
 
  protected:
   struct Data : ResidualDataAbstract {
@@ -24,7 +24,6 @@ class ResidualOfInner : public ResidualModelAbstract {
   };
   static Data& own(ResidualDataAbstract& data) { return static_cast<Data&>(data); }
 
-  /// name: that of the class.
   ResidualOfInner(const char* name, const std::shared_ptr<ResidualModelAbstract>& inner, std::size_t nr)
       : ResidualModelAbstract(internal::given(name, inner, "a residual")->get_state(), nr, inner->get_nu(),
                               inner->depends_on()),
