@@ -253,8 +253,7 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
   Eigen::VectorXd a0;              // nc_total: set by calc
   Eigen::VectorXd dv;              // nv: set by updateAcceleration
   Eigen::MatrixXd ddv_dx;          // nv x ndx: set by updateAccelerationDiff
-  std::vector<SpatialForce> fext;  // one entry per joint, robot by robot: the sum of its contacts' forces, in the
-                                   // joint's frame; set by updateForce
+  std::vector<SpatialForce> fext;  // one per joint of each robot: the sum of its contacts' forces, in its frame
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.

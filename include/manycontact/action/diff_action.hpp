@@ -81,8 +81,7 @@ class NodeAbstract : public Printable {
   /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
   void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
-  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; with stacks of costs or constraints,
-                                                 // getters return current values
+  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; stacks may change what getters return
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;

@@ -10,8 +10,8 @@
 // reduction is below rho/2 (0.09 m)^2, with m of the previous one: the remaining error then moves constraints by about
 // 0.09 m. It also ends if ten iterations gained less than a hundredth of the constraints' contribution to the cost.
 //
-// Gauss-Newton's Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. If these are large
-// (a hand at the end of its reach: the Hessian is up to five times Gauss-Newton's), steps overshoot, and minimisations
+// Gauss-Newton's Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. If this is large
+// (the Hessian is five times Gauss-Newton's for a hand at the end of its reach), steps overshoot, and minimisations
 // converge slowly or not at all. If `stop` decreased by less than a factor of ten in two iterations, and of three in
 // the last, SolverDDP::descend continues with an estimate of that curvature. If that fails too, the solver continues
 // until `stop` is ten times smaller.
@@ -67,8 +67,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   const Eigen::Vector2d& expectedImprovement() final { return d_ = inner_->expectedImprovement(); }
   void resizeData() override;
 
-  /// The multipliers of each node's [g; h] (T + 1; empty without constraints): >= 0 at upper bounds, <= 0 at lower
-  /// ones.
+  /// The multipliers of each node's [g; h] (T + 1; empty without constraints): >= 0 at upper, <= 0 at lower bounds.
   Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
   void set_multipliers(const Vectors& multipliers);

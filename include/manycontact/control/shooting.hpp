@@ -74,7 +74,7 @@ class ShootingProblem {
   const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
   /// Data of node t.
   const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
-  /// Whether node t depends on x alone: the terminal node. (Nodes without controls are evaluated at x and an empty u.)
+  /// Whether node t depends on x alone: the terminal node. (Running nodes without controls are called with an empty u.)
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
   std::size_t get_nx() const { return nx_; }              // numbers of a state
   std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector

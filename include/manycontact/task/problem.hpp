@@ -20,8 +20,7 @@ struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<ShootingProblem> problem;
   std::vector<Eigen::VectorXd> xs, us;   // initial guess
   std::vector<std::vector<int>> parts;   // robots of each decoupled subproblem of the nodes
-  std::vector<std::vector<int>> blocks;  // subproblems, divided at their couplings; a single one: nodes of the whole
-                                         // scene
+  std::vector<std::vector<int>> blocks;  // subproblems divided at couplings; a single one: nodes of the whole scene
   std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers; none: zeros
 };
 

@@ -61,8 +61,7 @@ const SymplecticStructure* CouplingSchur::steps(const Problem& problem, int clus
   return by_steps_ ? riccati_.steps(problem, k, graph_.nodes[cluster][k].cluster) : nullptr;
 }
 
-// Computes F, pi, theta of knot k and S_kk, and W of the next knot. F = [J 0; 0 0] + [G; 1] F_z is stored by its rows
-// F_z, which are all of F if there are no steps.
+// Computes F, pi, theta, S_kk of knot k and the next W. F = [J 0; 0 0] + [G; 1] F_z is stored as F_z (no steps: as F).
 void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   const CouplingNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];

@@ -116,8 +116,7 @@ void add_action_model(Class<T, Options...>& c) {
   c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
-/// A base class for Python: calls Python's calc(data, x, u=None), calcDiff(data, x, u=None) and createData(), also in
-/// OpenMP's threads, one at a time because of the GIL.
+/// A base class for Python: calls Python's calc, calcDiff (data, x, u=None) and createData, one thread at a time (GIL).
 template <class Abstract, class AbstractData>
 struct PyActionModel : Abstract {
   using Abstract::Abstract;

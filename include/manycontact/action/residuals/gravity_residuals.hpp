@@ -36,8 +36,8 @@ class ResidualModelControlGrav : public GravityResidual {
       : GravityResidual("ResidualModelControlGrav", std::move(state), nu, false) {}
 };
 
-/// The residual tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv) [N m, N]. Jacobians include J^T df (not in Crocoddyl
-/// 3.0).
+/// The residual tau(x, u) - (g(q) - tau_s(q) - J^T f(x, u)) (nv) [N m, N]. The Jacobians contain all derivatives of f
+/// (Crocoddyl 3.0 lacks J^T df).
 class ResidualModelContactControlGrav : public GravityResidual {
  public:
   /// nu: number of controls.

@@ -99,8 +99,7 @@ void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const
   }
 }
 
-// With h = [l; k]: dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S. About the centre of mass c, k changes by dk - dc x
-// l - c x dl, where l is that of all robots.
+// With h = [l; k]: dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S. About c: dk - dc x l - c x dl, l of all robots.
 void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                                   const ConstVectorRef&) const {
   auto& d = internal::own<CentroidalData>(data);

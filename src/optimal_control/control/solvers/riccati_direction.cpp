@@ -276,8 +276,7 @@ void BoxDirection::resize() {
   }
 }
 
-// k is the solution of the box QP, and K = Quu^-1 Qxu^T for the free controls, zero for those at a limit. Qu at limits
-// is set to zero: the multiplier of the limit balances it.
+// k solves the box QP, K = Quu^-1 Qxu^T for free controls. At limits K = 0, and Qu = 0, balanced by the multiplier.
 bool BoxDirection::compute_gains(std::size_t t) {
   const ActionModelAbstract& model = *part_.problem->model(t);
   if (model.get_nu() == 0) return true;

@@ -41,8 +41,7 @@ class Direction {
   /// Copies the subproblem's share of the solver's candidate. fs: gaps, used unless is_feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
-  /// Computes Vx, k and the other intermediate results from the nodes' derivatives at the candidate. Returns false if
-  /// numbers are not finite or the problem is not convex.
+  /// Computes Vx, k and intermediate results at the candidate. Returns false for non-finite numbers or nonconvexity.
   virtual bool compute(double preg, double dreg) = 0;
   /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
   /// by the step length only. The cost is NaN if numbers are not finite.

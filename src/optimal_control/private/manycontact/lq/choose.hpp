@@ -12,9 +12,8 @@ struct Prediction {
 /// Predicts the operations from the structure alone.
 Prediction predict(const Problem& problem);
 
-/// Chooses Riccati by islands (dense if all blocks are coupled), or the Schur complement of couplings if it is
-/// predicted to cost less, or a terminal knot has more equations than w, which Riccati cannot solve. The result is
-/// analysed.
+/// Chooses Riccati by islands (dense if all blocks are coupled), or the Schur complement of couplings if predicted to
+/// cost less, or if a terminal knot has more equations than w, which Riccati cannot solve. The result is analysed.
 std::unique_ptr<DirectionSolver> choose(const Problem& problem);
 
 }  // namespace manycontact::lq

@@ -57,8 +57,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   void expand_next_value(const Problem& problem, int k, int c);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
-  /// Computes x, u, lambda (w, mu of couplings within clusters) of the z with H z + h = 0; leaves the policies
-  /// unchanged.
+  /// Computes x, u, lambda (w, mu of clusters' couplings) of the z with H z + h = 0; leaves the policies unchanged.
   void pass(const Problem& problem, const Point& h, Point& z);
   void backward(const Problem& problem, const Point& h, int k);
   void forward(const Problem& problem, const Point& h, int k, Point& z);
