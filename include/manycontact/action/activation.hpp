@@ -51,7 +51,7 @@ class NamedActivation : public ActivationModelAbstract {
  private:
   virtual double value(const ConstVectorRef& r) const = 0;                                      // a(r)
   virtual void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const = 0;  // sets Ar and Arr
-  virtual void print_parameters(std::ostream&) const {}                                         // ", eps=1"
+  virtual void print_parameters(std::ostream&) const {}                                         // for example ", eps=1"
   void check(const char* function, const ConstVectorRef& r) const;
 };
 
@@ -98,7 +98,7 @@ class ActivationModelQuadraticBarrier : public NamedActivation {
   void set_bounds(const ActivationBounds& bounds);                // throws std::invalid_argument for a wrong size
 
  protected:
-  /// name: that of a class with weights.
+  /// name: that of the derived class.
   ActivationModelQuadraticBarrier(const char* name, const ActivationBounds& bounds)
       : NamedActivation(name, static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
   ActivationBounds bounds_;
@@ -119,8 +119,7 @@ class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticB
   void set_weights(const Eigen::VectorXd& weights);                // throws std::invalid_argument for a wrong size
 };
 
-/// The activation sum sqrt(eps + r_i^2), eps > 0. (Its Hessian is eps / sqrt(eps + r^2)^3; Crocoddyl 3.0 lacks eps
-/// there.)
+/// The activation sum sqrt(eps + r_i^2), eps > 0. (Crocoddyl 3.0 lacks eps in its Hessian eps / sqrt(eps + r^2)^3.)
 class ActivationModelSmooth1Norm : public NamedActivation {
  public:
   /// Throws std::invalid_argument unless eps is positive.

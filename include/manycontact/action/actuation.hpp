@@ -46,7 +46,7 @@ struct ActuationDataAbstract {                                          // The t
   ActuationMatrix dtau_dx;    // nv x ndx: set by calcDiff
   ActuationMatrix dtau_du;    // nv x nu: set by calcDiff
   ActuationMatrix Mtau;       // nu x nv: set by torqueTransform
-  std::vector<bool> tau_set;  // nv: actuated coordinates
+  std::vector<bool> tau_set;  // nv: whether a coordinate is actuated
 };
 
 class ActuationModelAbstract : public Printable {  // A function tau(x, u): the torques on all velocity coordinates.
@@ -64,17 +64,16 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
   /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
   virtual void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) = 0;
-  /// Computes data->Mtau with u = Mtau tau. By default it is the pseudoinverse of dtau_du at (x, u), which is computed
-  /// first.
+  /// Computes data->Mtau in u = Mtau tau: by default the pseudoinverse of dtau_du, first computed at (x, u).
   virtual void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
-  /// If each control is the torque of one coordinate: these coordinates, one for each of the nu; otherwise empty.
-  /// Derivatives are then written in place without a product.
+  /// Returns the coordinate whose torque each control (nu) is; empty for actuations that do not select coordinates.
+  /// With a selection, derivatives are written in place without a product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
   void print(std::ostream& os) const override { os << "ActuationModelAbstract {nu=" << nu_ << "}"; }
 
  protected:
@@ -85,8 +84,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   std::vector<int> selection_;
 };
 
-/// An actuation whose u are the torques of selected coordinates. A derived class with its own calc or calcDiff is
-/// treated as a general actuation: its selection() is empty.
+/// Controls are torques of selected coordinates. If a derived class overrides calc or calcDiff, selection() is empty.
 class ActuationModelSelection : public ActuationModelAbstract {
  public:
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
@@ -111,8 +109,7 @@ class ActuationModelFull : public ActuationModelSelection {
   explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
-/// Actuates the coordinates of the u of `solve`: all except those of floating bases and passive joints. If no robot has
-/// such coordinates, all are actuated.
+/// Actuates the u of `solve`: all coordinates except floating bases and passive joints; all if no robot has any.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
   /// Throws std::invalid_argument for a state of another kind.

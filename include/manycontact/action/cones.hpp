@@ -1,8 +1,7 @@
 #pragma once
-// Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and the centre of pressure inside the
-// foot. Names, A and bounds are those of Crocoddyl's cones. R contains the cone's axes (z: the normal) in the axes of
-// f. Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and
-// warns).
+// Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and centre of pressure inside the
+// foot. Names, A and bounds are Crocoddyl's. R: the cone's axes (z: the normal), in the axes of f. Setters take effect
+// with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and warns).
 
 #include <iosfwd>
 #include <limits>
@@ -46,10 +45,9 @@ class FrictionCone {
   MatrixX3s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints the cone
 
-/// The friction cone, centre of pressure inside the box, and yaw torque of a rectangular foot: nf + 13 rows for the
-/// wrench [force; moment] at the centre of the box.
+/// Friction cone, centre of pressure, yaw torque of a rectangular foot: nf + 13 rows for [force; moment] at its centre.
 class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
@@ -86,10 +84,9 @@ class WrenchCone {
   MatrixX6s A_;
   Eigen::VectorXd lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints the cone
 
-/// The centre of pressure inside the box: 4 rows for the wrench. As in Crocoddyl, the length bounds the moment about y,
-/// the width the moment about x.
+/// The centre of pressure in the box: 4 rows for the wrench. Length bounds the moment about y, width that about x.
 class CoPSupport {
  public:
   using Matrix46s = Eigen::Matrix<double, 4, 6>;
@@ -113,6 +110,6 @@ class CoPSupport {
   Matrix46s A_;
   Eigen::Vector4d lb_, ub_;
 };
-std::ostream& operator<<(std::ostream& os, const CoPSupport& support);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const CoPSupport& support);  // prints the support polygon
 
 }  // namespace manycontact

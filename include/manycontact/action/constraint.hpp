@@ -45,13 +45,13 @@ class ConstraintModelResidual final : public Printable {
     return std::make_shared<ConstraintDataResidual>(this, shared);
   }
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }  // the residual
   std::size_t get_nu() const { return residual_->get_nu(); }                                // number of controls
   std::size_t get_ng() const { return inequalities_.size(); }  // number of inequality constraints
   std::size_t get_nh() const { return equalities_.size(); }    // number of equality constraints
   bool get_T_constraint() const { return T_; }                 // whether it applies to terminal nodes
-  const Eigen::VectorXd& get_lb() const { return lb_; }        // nr
+  const Eigen::VectorXd& get_lb() const { return lb_; }        // lower bounds (nr)
   const Eigen::VectorXd& get_ub() const { return ub_; }        // upper bounds
   /// The components of r that are inequalities, and equalities; ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
@@ -76,9 +76,9 @@ struct ConstraintItem {  // A constraint, its name, and whether it is active.
   bool active = true;
 };
 
-/// The values of a stack. g, h and their Jacobians are those of the action's data; standalone they are its own.
+/// The values of a stack of constraints.
 struct ConstraintDataManager {
-  /// Views of the data in `out`, or standalone of those given to shareMemory. Jacobians only if `out` has dense ones.
+  /// Views of the data in `out`, or of those given to shareMemory. Jacobians are set only if `out` has dense ones.
   Eigen::Map<Eigen::VectorXd> g{nullptr, 0}, h{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Gx{nullptr, 0, 0}, Gu{nullptr, 0, 0}, Hx{nullptr, 0, 0}, Hu{nullptr, 0, 0};
   /// Makes g, ..., Hu views of an action's data, which must outlive this object.
@@ -91,8 +91,7 @@ struct ConstraintDataManager {
     new (&Hx) Eigen::Map<Eigen::MatrixXd>(data->Hx.data(), data->Hx.rows(), data->Hx.cols());
     new (&Hu) Eigen::Map<Eigen::MatrixXd>(data->Hu.data(), data->Hu.rows(), data->Hu.cols());
   }
-  /// Resizes an action's data for its model's constraints, of a running or a terminal node, and makes g, ..., Hu views
-  /// of them.
+  /// Resizes an action's data for its model's constraints in a running or a terminal node, and calls shareMemory.
   template <class ActionModel, class ActionData>
   void resize(ActionModel* model, ActionData* data, bool running_node = true) {
     const auto ng = static_cast<Eigen::Index>(running_node ? model->get_ng() : model->get_ng_T());
@@ -111,14 +110,13 @@ struct ConstraintDataManager {
   }
 
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
-  std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residuals that created them
+  std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residual models that created the data
   DataCollector* shared = nullptr;
   std::size_t version = 0, status = 0;  // the model's values when the blocks were set up
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
-  std::unique_ptr<DifferentialActionDataAbstract> own;  // standalone: `out`
-  // The parts of the residuals' blocks that are rows of g, and of h.
-  /// One part of a block.
+  std::unique_ptr<DifferentialActionDataAbstract> own;  // target of `out` if standalone
+  /// The rows of a residual's block that are rows of g, or of h.
   struct Part {
     std::size_t block = 0;             // number of the residual's block
     std::vector<int> from, to;         // rows of the block, rows of g (of h)
@@ -137,15 +135,13 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a constraint with
-  /// another state or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for constraints of another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name) { remove(name); }
   void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// Compute out->g and out->h (without u: of a terminal node), and then their Jacobians. These are resized if the
-  /// active set, or the kind of node, has changed.
+  /// calc computes out->g, out->h, calcDiff their Jacobians (terminal without u), resized when the active set changes.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
@@ -156,13 +152,13 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
   const ConstraintModelContainer& get_constraints() const { return parts_; }  // the constraints
-  std::size_t get_ng() const { return ng_; }                                  // of the active constraints
-  std::size_t get_nh() const { return nh_; }                                  // number of equality constraints
-  std::size_t get_ng_T() const { return ng_T_; }                              // of those that apply to a terminal node
-  std::size_t get_nh_T() const { return nh_T_; }             // number of equality constraints in a terminal node
-  const Eigen::VectorXd& get_lb() const { return lb_; }      // ng
+  std::size_t get_ng() const { return ng_; }                                  // active inequality constraints
+  std::size_t get_nh() const { return nh_; }                                  // active equality constraints
+  std::size_t get_ng_T() const { return ng_T_; }                              // inequality constraints, terminal node
+  std::size_t get_nh_T() const { return nh_T_; }             // equality constraints in a terminal node
+  const Eigen::VectorXd& get_lb() const { return lb_; }      // lower bounds (ng)
   const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
-  const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // ng_T: bounds of a terminal node's g
+  const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // lower bounds of a terminal node's g (ng_T)
   const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g
   std::size_t get_status() const { return status_; }         // counts switches of constraints
 

@@ -1,8 +1,7 @@
 #pragma once
-// Contacts with Crocoddyl's names and constructors (sobec's for 1D and 3D), contacts between two bodies, and stacks of
-// contacts. The equations are those of detail/contact/rows.hpp, which the action model evaluates; classes here define
-// contacts. Without nu their constructors use nu = nv of the state. They throw std::invalid_argument for a frame that
-// does not exist, or numbers that are not finite.
+// Contacts with Crocoddyl's names and constructors (also sobec's for 1D and 3D), contacts between two bodies, and
+// stacks of contacts. The action model evaluates the equations of detail/contact/rows.hpp. By default nu = nv.
+// Constructors throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
 
 #include "manycontact/detail/action/named_parts.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -20,15 +19,14 @@ struct SpatialForce : Vec6<double> {
   auto angular() const { return tail<3>(); }              // the moment
 };
 
-/// The force on A at its origin, in the contact's reference frame: its nc numbers, and the whole wrench with
-/// Pinocchio's member names.
+/// The force on A at A's origin, in the contact's reference frame: nc numbers, and the wrench with Pinocchio's names.
 struct ContactForce : Eigen::VectorXd {
   using Eigen::VectorXd::VectorXd;
   using Eigen::VectorXd::operator=;
   Vec6<double> toVector() const;                                 // the whole wrench [linear; angular]
   Vec3<double> linear() const { return toVector().head<3>(); }   // the force
   Vec3<double> angular() const { return toVector().tail<3>(); }  // the moment
-  ContactType type = ContactType::k6D;                           // the contact's type and axis
+  ContactType type = ContactType::k6D;
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
@@ -49,7 +47,7 @@ struct ContactDataAbstract {
   FrameIndex frame = 0;
   int index = -1;  // number of the contact in the scene of the action's data
   bool active = true;
-  const Contact* contact = nullptr;  // entry of that scene; own_contact in standalone evaluation
+  const Contact* contact = nullptr;  // entry of the action's scene; own_contact in standalone evaluation
 
   // Members for standalone evaluation.
   MultibodyData* pinocchio = nullptr;
@@ -60,31 +58,29 @@ struct ContactDataAbstract {
   RowMajorMatrix own_df_dx, own_df_du;  // set by updateForceDiff
 
   ContactDataAbstract() = default;
-  ContactDataAbstract(const ContactDataAbstract&) = delete;  // it contains views of itself
+  ContactDataAbstract(const ContactDataAbstract&) = delete;  // views point into the object
 };
 
 /// Crocoddyl's base class of the data of contacts and impulses.
 using ForceDataAbstract = ContactDataAbstract;
 
-/// A contact. The action model evaluates all contacts at once and calls no function of this class. Therefore only the
-/// classes below derive from it.
+/// A contact. Only the classes below derive from it: the action model evaluates contacts itself, not by this class.
 class ContactModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ContactDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and a0 including J times the
-  /// accelerations; and then da0_dx.
+  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, and a0 including J times the
+  /// accelerations; calcDiff computes da0_dx.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: set f = force (nc) and fext; set df_dx (nc x ndx) and df_du (nc x nu). They throw
-  /// std::invalid_argument for a wrong size.
+  /// Standalone: set f (nc) and fext; df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw std::invalid_argument.
   void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
   void setZeroForce(const DataPtr& data) const;
   void setZeroForceDiff(const DataPtr& data) const;
   std::shared_ptr<ContactDataAbstract> createData(MultibodyData* data) const;
 
-  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }       // the state that it was made for
+  const std::shared_ptr<StateMultibody>& get_state() const { return state_; }       // state given to the constructor
   std::size_t get_nc() const { return static_cast<std::size_t>(contact_.rows()); }  // number of constraint rows
   std::size_t get_nu() const { return nu_; }                                        // number of controls
   FrameIndex get_id() const { return id_; }                                         // number of the frame
@@ -126,11 +122,11 @@ class ContactModel1D final : public ContactModelAbstract {
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// Along the z axis of the reference frame.
+  /// The axis is z of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
-  /// Along the z axis of A.
+  /// The axis is z of A's frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
@@ -186,7 +182,7 @@ class ContactModel3D final : public ContactModelAbstract {
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}  // sobec's, with nu = nv
   /// The point's position in the world [m].
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
-  void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }  // sets it
+  void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }  // sets the position
 };
 
 /// Constrains a frame's placement. pref: in the world.
@@ -202,7 +198,7 @@ class ContactModel6D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel6D(std::move(state), id, pref, LOCAL, nu, gains) {}                   // in the axes of A
   const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
-  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets the placement
 };
 
 /// Constrains a frame except its rotation about one axis: a hinge whose pin is fixed in A and in the world. Crocoddyl
@@ -216,7 +212,7 @@ class ContactModel5D final : public ContactModelAbstract {
                  const Eigen::Vector3d& axis, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel5D(std::move(state), id, pref, axis, kDefaultNu, gains) {}            // with nu = nv
   const SE3<double>& get_reference() const { return contact_.B.placement; }               // placement in the world
-  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets it
+  void set_reference(const SE3<double>& reference) { contact_.B.placement = reference; }  // sets the placement
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }                       // unit vector
 };
 
@@ -240,7 +236,7 @@ class ContactModelBetweenBodies final : public ContactModelAbstract {
 /// A contact as in a scene file: any attachment, offsets included.
 class ContactModelOfScene final : public ContactModelAbstract {
  public:
-  ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);  // see above
+  ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);  // nu: controls
 };
 
 struct ContactItem {  // A contact, its name, and whether it is active.
@@ -257,8 +253,7 @@ struct ContactDataMultiple {  // The data of a stack's contacts, by name.
   Eigen::VectorXd a0;              // nc_total: set by calc
   Eigen::VectorXd dv;              // nv: set by updateAcceleration
   Eigen::MatrixXd ddv_dx;          // nv x ndx: set by updateAccelerationDiff
-  std::vector<SpatialForce> fext;  // one entry per joint, robot by robot: the sum of its contacts' forces, in the
-                                   // joint's frame; set by updateForce
+  std::vector<SpatialForce> fext;  // one per joint of each robot: the sum of its contacts' forces, in its frame
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.
@@ -269,10 +264,9 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   using ContactModelContainer = Container;
   using ContactDataContainer = std::map<std::string, std::shared_ptr<ContactDataAbstract>>;
 
-  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);  // without parts
+  explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);  // an empty stack
 
-  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a contact with
-  /// another state or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for contacts of another state or nu.
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
   void removeContact(const std::string& name) { remove(name); }
   void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }

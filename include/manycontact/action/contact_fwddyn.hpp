@@ -48,13 +48,12 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
                                             std::shared_ptr<ConstraintModelManager> constraints,
                                             double JMinvJt_damping = 0, bool enable_force = false);
 
-  /// Computes accelerations, forces, costs and constraints. The data's report() contains status and accuracy; a failed
-  /// solve gives NaN.
+  /// Computes accelerations, forces, costs, constraints; the data's report() has the status. A failed solve gives NaN.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   /// Computes costs and constraints of a terminal node. Accelerations and forces remain unchanged.
   void calc(const DataPtr& data, const ConstVectorRef& x) override;
-  /// Computes the derivatives at the x, u of the last calc, for any x, u given. Throw std::logic_error unless that calc
-  /// was of the same kind, with the same active costs and constraints.
+  /// Compute the derivatives at the x, u of the last calc; the arguments x, u are ignored. Throw std::logic_error
+  /// unless that calc was of the same kind (with or without u) and had the same active costs and constraints.
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) override;
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;
@@ -71,7 +70,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg]. It replaces the model's, in new and existing data.
+  /// The armature (nv) [kg m^2, kg]. It replaces that of the robots' models, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
   void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
   double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
@@ -88,8 +87,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
 
   /// The external wrenches that act in the solves [N, N m]; initially those of the state's scene.
   const std::vector<Vec6<double>>& get_wrenches() const { return wrenches_; }
-  /// Sets one wrench per external wrench of the scene, for new and existing data. Throws std::invalid_argument for
-  /// another number.
+  /// Sets the wrenches in new and existing data: one per wrench of the scene, or std::invalid_argument is thrown.
   void set_wrenches(const std::vector<Vec6<double>>& wrenches);
 
   std::size_t get_nr() const override { return costs_->get_nr(); }
@@ -97,8 +95,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// The bounds of the active constraints; or those given to set_g_lb, set_g_ub, until constraints are added, removed
-  /// or switched.
+  /// The bounds of the active constraints, or those of set_g_lb, set_g_ub until the set of constraints changes.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
@@ -112,8 +109,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   Data& refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  // Identifies the model: data of a deleted model must not be accepted by another model at the same address. A copy,
-  // which shares the parts, may use them.
+  // Identifies the model, unlike its address, which a later model may have. Copies share the parts and the identity.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;

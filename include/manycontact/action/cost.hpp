@@ -20,8 +20,7 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True for a user-defined class: its calcDiff computes Lx, Lu, Lxx, Lxu and Luu, which the sum adds. Otherwise the
-  /// sum reads the blocks of the residual.
+  /// True for a user-defined class: the sum adds its Lx, Lu, Lxx, Lxu, Luu. Otherwise it reads the residual's blocks.
   const bool own;
   /// Derivatives of this cost alone, without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In the
   /// data of an action model they are empty, unless the class is user-defined; call whole_derivatives instead.
@@ -45,8 +44,7 @@ class CostModelAbstract : public Printable {
   /// Uses the activation 1/2 |r|^2.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
-  /// Makes a cost without a residual: calc may write data->residual->r, which has the activation's nr numbers (none
-  /// without an activation). nu: by default nv.
+  /// Makes a cost without residual: calc may write data->residual->r (activation's nr, or none). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu = kDefaultNu);
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu)
@@ -64,7 +62,7 @@ class CostModelAbstract : public Printable {
     return std::make_shared<CostDataAbstract>(this, shared);
   }
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
   const std::shared_ptr<ActivationModelAbstract>& get_activation() const { return activation_; }  // the activation
   const std::shared_ptr<ResidualModelAbstract>& get_residual() const { return residual_; }        // the residual
   std::size_t get_nu() const { return residual_->get_nu(); }                                      // number of controls
@@ -112,7 +110,7 @@ struct CostItem {  // A cost, its name, its weight, and whether it is active.
 struct CostDataSum {                    // The sum's value and derivatives.
   double cost = 0;                      // set by calc
   CostDerivatives* derivatives = &own;  // set by calcDiff, if the sum belongs to an action model
-  /// Views of those derivatives, set by calcDiff; standalone of the sum's own, or of those given to shareMemory.
+  /// Views of `*derivatives`, set by calcDiff; standalone, of `own` or of the data given to shareMemory.
   Eigen::Map<Eigen::VectorXd> Lx{nullptr, 0}, Lu{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Lxx{nullptr, 0, 0}, Lxu{nullptr, 0, 0}, Luu{nullptr, 0, 0};
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
@@ -146,8 +144,7 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for a cost with another
-  /// state or nu.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for costs of another state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);
@@ -158,15 +155,14 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
-  /// The derivatives are stored in `out`, if given, which must have the right sizes; otherwise the sum is evaluated
-  /// standalone.
+  /// out: stores the derivatives, and must have the right sizes; null: the sum is evaluated standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
   /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
   void lay_out(CostDataSum& data) const;
 
   const CostModelContainer& get_costs() const { return parts_; }  // the costs
-  std::size_t get_nr() const { return nr_; }                      // of the active costs
-  std::size_t get_nr_total() const { return nr_total_; }          // of all costs
+  std::size_t get_nr() const { return nr_; }                      // residual rows of the active costs
+  std::size_t get_nr_total() const { return nr_total_; }          // residual rows of all costs
 
  private:
   void check(const char* where, const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) const;

@@ -8,8 +8,7 @@ namespace manycontact {
 
 class DifferentialActionModelAbstract;
 
-/// The results of a node, with the sizes of the model. Disabled dense matrices are empty. The `_sparse` functions
-/// return their sparse counterparts.
+/// The results of a node. Dense matrices are empty if disabled; the `_sparse` functions return their counterparts.
 struct DifferentialActionDataAbstract : CostDerivatives {
   DifferentialActionDataAbstract() = default;  // allocates nothing
   /// Allocates the data of the model.
@@ -55,7 +54,7 @@ class NodeAbstract : public Printable {
   virtual std::size_t get_nh() const { return sized_by() ? sized_by()->get_nh() : nh_; }  // equality constraints
   virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // in a terminal node
   virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // in a terminal node
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
 
   /// Lower and upper bounds of g, and those in a terminal node.
   virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
@@ -66,7 +65,7 @@ class NodeAbstract : public Printable {
   const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; infinite: none
   const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; infinite: none
   bool get_has_control_limits() const { return has_control_limits_; }  // whether any limit of controls is finite
-  /// They throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
+  /// Throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
   virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
   void set_u_lb(const Eigen::VectorXd& u_lb);          // throws std::invalid_argument for a wrong size
@@ -76,14 +75,13 @@ class NodeAbstract : public Printable {
   /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
-  /// The node inside this one that has its sizes and bounds of g; null: none.
+  /// Returns the wrapped node whose sizes and bounds of g this node has; null if there is none.
   virtual const NodeAbstract* sized_by() const { return nullptr; }
   void update_has_control_limits();  // called after the bounds have changed
   /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
   void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
-  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; with stacks of costs or constraints,
-                                                 // getters return current values
+  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; stacks may change what getters return
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;
@@ -95,8 +93,7 @@ class NodeOf : public NodeAbstract {
  public:
   using DataPtr = std::shared_ptr<Data>;
 
-  /// Computes accelerations or the next state, cost and constraints. x: nx, u: nu. Throws std::invalid_argument for
-  /// wrong sizes.
+  /// Computes accelerations or next state, cost and constraints at x, u. Wrong sizes throw std::invalid_argument.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   /// Computes cost and constraints of a terminal node, which depend on the state alone; its next state is x.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
@@ -125,8 +122,8 @@ class NodeOf : public NodeAbstract {
   using NodeAbstract::NodeAbstract;
 };
 
-/// A node of this library, with data of its own class. Functions with and without u, of a running and of a terminal
-/// node, are one. Model is the derived class, with its name kName for messages, and Base that of all nodes.
+/// A node of this library with data of class Data. Derived classes have one function for running and terminal nodes,
+/// whose u is null. Model is the derived class, with its name kName for messages; Base is a class of nodes.
 template <class Model, class Base, class Data>
 class NodeWithData : public Base {
  public:
@@ -153,7 +150,7 @@ class NodeWithData : public Base {
 
  protected:
   using Base::Base;
-  /// The data as their class. Throws std::invalid_argument for those of another model, and for wrong sizes of x and u.
+  /// Returns the data as Data. Throws std::invalid_argument for data of another model, and for wrong sizes of x and u.
   Data& own(const char* function, const DataPtr& data, const ConstVectorRef& x,
             const ConstVectorRef* u = nullptr) const {
     this->check_sizes(Model::kName, function, x, u);
@@ -162,7 +159,7 @@ class NodeWithData : public Base {
   }
 
  private:
-  /// Computes what calc and calcDiff do; u is null in a terminal node.
+  /// Compute the results of calc and of calcDiff; u is null in a terminal node.
   virtual void evaluate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
   virtual void differentiate(Data& data, const ConstVectorRef& x, const ConstVectorRef* u) = 0;
 };

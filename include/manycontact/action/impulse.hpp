@@ -6,11 +6,10 @@
 
 namespace manycontact {
 
-/// The data of an impulse: Jc, f (the impulse on A [N s, N m s]), df_dx; a0 = 0, and da0_dx is d(J w)/dq with constant
-/// w = v+ + e v.
+/// The data of an impulse f on A [N s, N m s]: Jc, df_dx; a0 = 0; da0_dx is d(J w)/dq with constant w = v+ + e v.
 using ImpulseDataAbstract = ContactDataAbstract;
 
-/// Standalone: members of ContactDataMultiple, and more.
+/// The data of a stack of impulses. Members are set in standalone evaluation, as those of ContactDataMultiple.
 struct ImpulseDataMultiple : ContactDataMultiple {
   std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
   Eigen::MatrixXd dv0_dq;     // nc_total x nv: set by calcDiff
@@ -23,7 +22,7 @@ class ImpulseModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): compute Jc, and then dv0_dq.
+  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, calcDiff computes dv0_dq.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
@@ -33,7 +32,7 @@ class ImpulseModelAbstract : public Printable {
   void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
-  /// The state that it was made for.
+  /// The state given to the constructor.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
   std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
   std::size_t get_nu() const { return 0; }                          // number of controls
@@ -99,7 +98,7 @@ class ImpulseModelOfScene final : public ImpulseModelAbstract {
 struct ImpulseItem {  // An impulse, its name, and whether it is active.
   std::string name;
   std::shared_ptr<ImpulseModelAbstract> impulse;
-  bool active = true;  // set by changeImpulseStatus
+  bool active = true;
 };
 
 /// The impulses of an action model, by name. Their rows are stacked in the order of names.
@@ -112,8 +111,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
-  /// They throw std::invalid_argument for a name that exists already (or does not exist), and for an impulse with
-  /// another state.
+  /// Throw std::invalid_argument for names that exist already (or do not), and for impulses of another state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);

@@ -1,6 +1,5 @@
 #pragma once
-// The rigid-body model of a state: the robots of a scene, and all their frames with consecutive numbers. It corresponds
-// to `pinocchio::Model` in Crocoddyl.
+// The rigid-body model of a state, as `pinocchio::Model` in Crocoddyl: a scene's robots and numbered frames.
 
 #include <memory>
 
@@ -28,8 +27,8 @@ class Multibody {  // The robots and frames of a scene.
   Eigen::VectorXd effortLimit;  // nv; infinite if the file has none, and for floating bases
 
   const Scene& scene() const { return scene_; }  // the robots, with their gravity
-  /// The number of a frame: "r0/left_sole", or "left_sole" if there is one robot. The name of a joint gives the frame
-  /// of its link, unless a link has that name. getFrameId throws std::invalid_argument for an unknown name.
+  /// Returns the number of a frame: "r0/left_sole", or "left_sole" if there is one robot. A joint's name gives the
+  /// frame of its link, unless a link has that name. Throws std::invalid_argument for an unknown name.
   FrameIndex getFrameId(const std::string& name) const;
   /// Whether there is a frame with this name.
   bool existFrame(const std::string& name) const { return find(name) != nullptr; }

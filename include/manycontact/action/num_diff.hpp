@@ -84,8 +84,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
   void print(std::ostream& os) const override;
 
  protected:
-  /// name: that of the class. next: what calc computes, the acceleration or the next state. where: the beginning of the
-  /// message for a wrong step.
+  /// name: that of the class. next: the member that calc computes, xout or xnext. where: prefix of step messages.
   NodeNumDiff(const char* name, std::shared_ptr<Node> model, bool with_gauss_approx, Eigen::VectorXd NodeData::*next,
               const char* where);
   using NumDiffOf<Node>::model_;
@@ -93,10 +92,9 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
  private:
   using Own = NodeDataNumDiff<NodeData>;
   const NodeAbstract* sized_by() const override { return model_.get(); }
-  /// The coordinates of the acceleration, or of the next state relative to that of the point, in data of a displaced
-  /// one.
+  /// Returns the acceleration in `moved`, or its next state minus (-) that in `at`.
   virtual Eigen::VectorXd coordinates(const NodeData& at, const NodeData& moved, bool terminal) const = 0;
-  /// The beginning of the message for data of another model.
+  /// Returns the prefix of messages about data of another model.
   virtual std::string where(const char* function) const { return std::string(name_) + "::" + function; }
   Own& own(const char* function, const Data& data) const;
   void evaluate(const Data& data, const ConstVectorRef& x, const ConstVectorRef* u);
@@ -110,8 +108,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
 class DifferentialActionModelNumDiff
     : public NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract> {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the stacked residuals, which is right for costs 1/2 |r|^2 of
-  /// weight 1. Otherwise they are second differences of the cost.
+  /// with_gauss_approx: Hessians are Rx^T Rx, ..., right for costs 1/2 |r|^2 of weight 1; otherwise second differences.
   explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
                                           bool with_gauss_approx = false);
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;

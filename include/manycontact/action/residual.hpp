@@ -1,8 +1,7 @@
 #pragma once
 // A residual r(x, u), the base of all residuals. The interface is that of Crocoddyl's ResidualModelAbstract, except
 // that action models store Jacobians as blocks of the rows and columns that are not zero. Whole matrices Rx, Ru exist
-// if a residual is evaluated standalone (detail/action/collector.hpp), and for user-defined residuals written for
-// Crocoddyl.
+// in standalone evaluation (detail/action/collector.hpp) and for user-defined residuals written for Crocoddyl.
 
 #include "manycontact/detail/action/collector.hpp"
 
@@ -59,32 +58,28 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
       : ResidualModelAbstract(state, nr, state ? state->get_nv() : 0, q_dependent, v_dependent, u_dependent) {}
 
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->r
-  /// Computes the residual in a terminal node. By default it is r(x) if r depends on x alone, and otherwise zero, since
-  /// there are no accelerations, forces or controls.
+  /// Computes the residual of a terminal node: by default r(x) if r depends on x alone, otherwise zero.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
 
-  /// Computes Rx and Ru of data->blocks with `differentiate`, and if the data contain them the whole matrices; call it
-  /// after calc.
+  /// Computes Rx, Ru of data->blocks, and the whole matrices if the data have them, with `differentiate`; after calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Sets up data.blocks. createData calls it, and it is called again if the islands change because a contact was
-  /// switched. By default there is one block with everything.
+  /// Sets up data.blocks, by default one dense block: for createData, and when a switched contact changes the islands.
   virtual void lay_out(ResidualDataAbstract& data) const;
   /// False if the blocks must be set up again, for example because the frame has changed.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
-  /// Copies the whole matrices to the blocks, for residuals with Crocoddyl's constructor, whose calcDiff writes the
-  /// matrices.
+  /// Copies the whole matrices to the blocks, for residuals with Crocoddyl's constructor, whose calcDiff writes them.
   void take_whole(ResidualDataAbstract& data) const;
 
-  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // the state that it was made for
+  const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // state given to the constructor
   std::size_t get_nr() const { return nr_; }                                        // number of rows of the residual
   std::size_t get_nu() const { return nu_; }                                        // number of controls
   bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }  // whether it depends on q
   bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
   bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
-  const Dependence& depends_on() const { return on_; }                              // the variables that it depends on
+  const Dependence& depends_on() const { return on_; }                              // the variables that r depends on
   void print(std::ostream& os) const override { os << "ResidualModel {nr=" << nr_ << "}"; }
 
  protected:

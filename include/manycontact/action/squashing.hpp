@@ -31,8 +31,8 @@ class SquashingModelAbstract {  // A function u(s).
   std::size_t get_ns() const { return ns_; }                    // number of squashed controls
   const Eigen::VectorXd& get_s_lb() const { return s_lb_; }     // lower bounds of s
   const Eigen::VectorXd& get_s_ub() const { return s_ub_; }     // upper bounds of s
-  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // for a barrier
-  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // for a barrier
+  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // lower bounds of s, for a barrier
+  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // upper bounds of s, for a barrier
 
  protected:
   std::size_t ns_;
@@ -59,7 +59,7 @@ class SquashingModelSmoothSat : public SquashingModelAbstract {
 /// An actuation with squashed controls: nu = ns.
 class ActuationSquashingModel : public ActuationModelAbstract {
  public:
-  /// Nu must be the number of squashed controls.
+  /// nu: number of squashed controls.
   ActuationSquashingModel(std::shared_ptr<ActuationModelAbstract> actuation,
                           std::shared_ptr<SquashingModelAbstract> squashing, std::size_t nu);
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;

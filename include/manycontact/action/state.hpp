@@ -1,7 +1,6 @@
 #pragma once
-// The state x = [q; v] of a scene, nx = nq + nv, and its tangent vectors dx = [dq; dv], ndx = 2 nv. dq is expressed in
-// each joint's own child frame. The interfaces are those of Crocoddyl's StateAbstract and StateMultibody. Wrong sizes
-// throw std::invalid_argument.
+// The state x = [q; v] of a scene (nx = nq + nv), and tangent vectors dx = [dq; dv] (ndx = 2 nv), with dq in each
+// joint's own child frame. Interfaces are those of Crocoddyl's classes. Wrong sizes throw std::invalid_argument.
 
 #include "manycontact/action/multibody.hpp"
 
@@ -18,13 +17,12 @@ class StateAbstract {  // A manifold with differences and sums.
   virtual ~StateAbstract() = default;
 
   virtual Eigen::VectorXd zero() const = 0;  // the neutral state (nx)
-  virtual Eigen::VectorXd rand() const = 0;  // A random state (nx)
+  virtual Eigen::VectorXd rand() const = 0;  // a random state (nx)
   /// Computes dxout = x1 (-) x0.
   virtual void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const = 0;
   /// Computes xout = x (+) dx.
   virtual void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const = 0;
-  /// Computes Jfirst = d diff/dx0 and Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain
-  /// unchanged.
+  /// Computes Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain unchanged.
   virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                      Jcomponent firstsecond = both) const = 0;
   /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx); sets, adds or subtracts them.
@@ -74,8 +72,7 @@ class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scen
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
   Eigen::VectorXd zero() const override;
-  /// A random state: q within the joints' limits if these are finite, else within +-pi (+-1 m), with any orientation; v
-  /// within +-1.
+  /// A random state: q within the joints' limits if finite, else within +-pi (+-1 m), any orientation; v within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

@@ -25,7 +25,7 @@ struct Thruster {
   ThrusterType type;
   double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
 };
-std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints the thruster
 
 /// The torques tau = W u of a floating base with thrusters.
 class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {

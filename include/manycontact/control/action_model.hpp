@@ -34,8 +34,8 @@ struct ActionDataAbstract {
   /// False if the derivatives are stored in another form, and the matrices above are empty. This applies to
   /// IntegratedActionModelEuler with storage kPanel, and to ActionModelParts with kSparse.
   virtual bool has_matrices() const { return true; }
-  /// Computes gx = Fx^T p and gu = Fu^T p for p with ndx entries, or copies Fx and Fu, as of the last calcDiff. They
-  /// throw std::logic_error if only the subproblems' data contain derivatives.
+  /// Compute gx = Fx^T p and gu = Fu^T p for p with ndx entries, or copy Fx and Fu, as of the last calcDiff. Both throw
+  /// std::logic_error if only the subproblems' data contain derivatives.
   virtual void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const;
   virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 

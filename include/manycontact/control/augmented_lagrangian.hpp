@@ -1,7 +1,6 @@
 #pragma once
-// Problems with constraints g_lb <= g <= g_ub, h = 0 of the nodes, solved by the method of multipliers. An
-// unconstrained solver minimises the augmented Lagrangian (detail/control/augmented_action.hpp) at fixed multipliers y
-// and penalty rho. Then
+// Problems with constraints g_lb <= g <= g_ub, h = 0, solved by the method of multipliers: an unconstrained solver
+// minimises the augmented Lagrangian (detail/control/augmented_action.hpp) at fixed multipliers y, penalty rho. Then
 //
 //     y <- y+,    rho <- 10 rho  if  m = max |y+ - y| / rho  decreased by less than a factor of 10,
 //
@@ -11,11 +10,11 @@
 // reduction is below rho/2 (0.09 m)^2, with m of the previous one: the remaining error then moves constraints by about
 // 0.09 m. It also ends if ten iterations gained less than a hundredth of the constraints' contribution to the cost.
 //
-// Gauss-Newton's Hessian lacks the curvature of constraints and dynamics, weighted by their multipliers. If these are
-// large (a hand at the end of its reach: in some directions the Hessian is five times Gauss-Newton's), its steps
-// overshoot, and minimisations converge slowly or not at all. If `stop` decreased by less than a factor of ten in two
-// iterations, and of three in the last, SolverDDP::descend continues with an estimate of that curvature. If that fails
-// too, the solver continues until `stop` is ten times smaller.
+// Gauss-Newton's Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. If this is large
+// (the Hessian is five times Gauss-Newton's for a hand at the end of its reach), steps overshoot, and minimisations
+// converge slowly or not at all. If `stop` decreased by less than a factor of ten in two iterations, and of three in
+// the last, SolverDDP::descend continues with an estimate of that curvature. If that fails too, the solver continues
+// until `stop` is ten times smaller.
 //
 // If the violation does not decrease although the constraints outweigh the cost, there are three possible causes: the
 // constraints are infeasible, the penalty is too small, or the minimisation is stuck. Therefore a separate problem
@@ -25,14 +24,12 @@
 // kInfeasible. (A nonconvex problem may have a smaller minimum elsewhere.)
 //
 // Let r be the violations and C their Jacobian. A point is stationary if C^T r is below a millionth of |C| |r|, or if a
-// step of the linearised problem reduces |r|^2 by less than a millionth. With limits on controls kInfeasible is also
-// given if no search halved |r|, and controls moved as far as their limits allow would reduce |r|^2 by less than a
-// tenth, to first order. If the searches end at another point, the result is inconclusive: the solve ends as kNoStep,
-// at the point with the smallest violation.
+// step of the linearised problem reduces |r|^2 by less than a millionth. With control limits kInfeasible is also given
+// if no search halved |r|, and controls at their limits would reduce |r|^2 by less than a tenth, to first order. If the
+// searches end elsewhere, the result is inconclusive: kNoStep, at the point with the smallest violation.
 //
-// In each iteration's report, cost is the problem's, merit the augmented Lagrangian, and gfeas and hfeas are the
-// violations after the step. A constraint at node 0 that depends only on the fixed initial state x0 cannot be
-// influenced by the solver.
+// In each iteration's report, cost is the problem's, merit the augmented Lagrangian; gfeas and hfeas are violations
+// after the step. The solver cannot influence a constraint at node 0 on the fixed initial state x0 alone.
 
 #include <array>
 #include <functional>
@@ -49,8 +46,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// Creates the unconstrained solver for a given problem.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
   /// Uses SolverBoxFDDP if a model has control limits, SolverSparse if nodes are ActionModelParts without dense
-  /// matrices, and otherwise SolverFDDP; or the solver that `make` creates. Throws std::invalid_argument for a null
-  /// problem.
+  /// matrices, else SolverFDDP; or the solver of `make`. Throws std::invalid_argument for a null problem.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
   /// problem: not null, or std::invalid_argument is thrown.
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
@@ -71,8 +67,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   const Eigen::Vector2d& expectedImprovement() final { return d_ = inner_->expectedImprovement(); }
   void resizeData() override;
 
-  /// The multipliers of each node's [g; h]: T + 1 vectors, empty for nodes without constraints. They are >= 0 at an
-  /// upper bound, and <= 0 at a lower one.
+  /// The multipliers of each node's [g; h] (T + 1; empty without constraints): >= 0 at upper, <= 0 at lower bounds.
   Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
   void set_multipliers(const Vectors& multipliers);
@@ -102,7 +97,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
 
-  /// They throw std::invalid_argument for numbers out of range.
+  /// Throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);        // above 0
   void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()
   void set_penalty_factor(double factor);  // above 1
@@ -117,7 +112,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
-    std::vector<int> rows;  // rows of the node's [g; h] that belong to it
+    std::vector<int> rows;  // rows of the node's [g; h] in this model
   };
   struct Copy {  // a model and its data
     std::shared_ptr<ActionModelAbstract> model;
@@ -171,7 +166,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   void updateMultipliers();
 
   MakeSolver make_;
-  bool augments_all_ = false;  // also nodes and subproblems without constraints
+  bool augments_all_ = false;  // augments nodes and subproblems without constraints too
   std::shared_ptr<ShootingProblem> augmented_;
   std::shared_ptr<SolverDDP> inner_;
   std::vector<Node> nodes_;  // T + 1
@@ -192,7 +187,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   StopReason ended_ = StopReason::kNone;  // why the minimisation ended
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // consecutive minimisations without progress
-  int flat_ = 0;                          // consecutive minimisations without progress of constraints that dominate
+  int flat_ = 0;                          // consecutive minimisations in which dominating constraints made no progress
   std::size_t outer_ = 0, restorations_ = 0;
   double scale_ = 1, kkt_scale_ = 1;
   bool measures_scale_ = false;

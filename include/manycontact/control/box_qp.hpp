@@ -33,7 +33,7 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   void free_inverse(Eigen::MatrixXd& inverse);
   const BoxQPSolution& get_solution() const { return solution_; }
 
-  std::size_t get_nx() const { return nx_; }                   // numbers of a state
+  std::size_t get_nx() const { return nx_; }                   // number of unknowns
   std::size_t get_maxiter() const { return maxiter_; }         // largest number of Newton steps
   std::size_t get_iter() const { return iter_; }               // Newton steps of the last solve
   double get_th_acceptstep() const { return th_acceptstep_; }  // share of the expected reduction that accepts a step
@@ -43,7 +43,7 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   void set_nx(std::size_t nx);                                       // number of unknowns
   void set_maxiter(std::size_t maxiter) { maxiter_ = maxiter; }      // largest number of Newton steps
 
-  /// They throw std::invalid_argument for numbers out of range: (0, 0.5), or at least 0.
+  /// Throw std::invalid_argument unless th_acceptstep is in (0, 0.5), and th_grad and reg are at least 0.
   void set_th_acceptstep(double th_acceptstep);
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "BoxQP::set_th_grad"); }
   void set_reg(double x) { internal::kNotNegative.set(reg_, x, "BoxQP::set_reg"); }

@@ -1,8 +1,7 @@
 #pragma once
-// DDP and FDDP with the models' limits on controls. BoxQP computes feed-forward terms, controls at a limit have no
-// feedback, and steps are clamped to the limits (Tassa et al., ICRA 2014; Mastalli et al., Autonomous Robots 2022). For
-// a candidate with gaps the limits are ignored. Interface, algorithm and defaults are those of Crocoddyl 3.0's
-// SolverBoxDDP and SolverBoxFDDP.
+// DDP and FDDP with the models' limits on controls: BoxQP computes feed-forward terms, controls at a limit have no
+// feedback, and steps are clamped (Tassa et al., ICRA 2014; Mastalli et al., Autonomous Robots 2022). For a candidate
+// with gaps limits are ignored. Interface, algorithm, defaults: Crocoddyl 3.0's SolverBoxDDP and SolverBoxFDDP.
 //
 // Crocoddyl's rule leaves out of the value function how far clamped controls have to move. It may therefore find no
 // step, and report convergence, although the cost is not minimal. Here such a solve has converged only if the projected

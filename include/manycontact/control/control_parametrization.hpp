@@ -1,6 +1,5 @@
 #pragma once
-// Controls w(t) within one integration step, t in [0, 1] of its length. They are polynomials whose parameters are the
-// control u of the node:
+// Controls w(t) within one integration step, t in [0, 1]: polynomials whose parameters are the control u of the node:
 //
 //     w = sum_k c_k(t) u_k,    u = [u_0; u_1; ...], each of nw numbers.
 //
@@ -111,8 +110,7 @@ class ControlParametrizationModelPolyOne : public ControlParametrizationModelPol
   std::array<double, 3> coefficients(double t) const override { return {1 - 2 * t, 2 * t, 0}; }
 };
 
-/// Quadratic controls through the integrator's stage times: 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). `two` throws
-/// std::invalid_argument.
+/// Quadratic controls through stage times 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four); `two` throws std::invalid_argument.
 class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
  public:
   ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);  // nw: number of controls
@@ -122,8 +120,7 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
   RKType rktype_;
 };
 
-/// Computes dw_du of another model by central differences, with steps relative to max(1, |u_i|). It is meant for
-/// user-defined controls, and for tests.
+/// Computes dw_du of another model by differences with steps relative to max(1, |u_i|), e.g. for user-defined controls.
 class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract,
                                            public NumDiffOf<ControlParametrizationModelAbstract> {
  public:

@@ -8,8 +8,7 @@
 //     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t if the candidate has gaps)
 //
 // The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0, which closes all gaps. Interface,
-// algorithm and defaults are those of Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al.,
-// ICRA 2020).
+// algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/solver.hpp"
 #include "manycontact/detail/control/limited_bfgs.hpp"
@@ -34,26 +33,24 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
              std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
-  /// The expected reduction of a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve has
-  /// converged only if it is small at the least one, too.
+  /// Returns the expected reduction by a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve
+  /// has converged only if it is also small at the least regularisation.
   double stoppingCriteria() override;
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
 
-  /// Computes the derivatives of all nodes at the candidate, and its feasibilities; returns the cost.
+  /// Computes the derivatives of all nodes at the candidate, and its infeasibilities; returns the cost.
   virtual double calcDiff();
   /// Computes the search direction. If it fails, direction_is_sound() is false, and the direction is unusable.
   virtual void backwardPass();
   bool direction_is_sound() const { return sound_; }
   /// Computes xs_try, us_try and cost_try for a step length in [0, 1]. cost_try is NaN if numbers are not finite.
   virtual void forwardPass(double steplength);
-  /// Computes the action value function of a node, as the backward pass does; with SolverSparse that of every
-  /// subproblem. These three functions are for inspection. backwardPass does not call them, so that they are final:
-  /// override backwardPass.
+  /// Computes the action value function of node t, as the backward pass does; with SolverSparse that of every
+  /// subproblem. These three functions are for inspection: backwardPass does not call them, so that they are final.
   virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                           const std::shared_ptr<ActionDataAbstract>& data) final;
-  /// Require that computeActionValueFunction was last called for the node t; otherwise they throw
-  /// std::invalid_argument.
+  /// Throw std::invalid_argument unless computeActionValueFunction was last called for the node t.
   virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) final;
   virtual void computeGains(std::size_t t) final;
   virtual void increaseRegularization();
@@ -81,9 +78,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_judges(bool judges) { judges_ = judges; }
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
-  /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation with
-  /// the guess's controls. Crocoddyl's rule ignores limits until the gaps are closed, which may never happen with tight
-  /// limits.
+  /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation of
+  /// the guess's controls. (Crocoddyl ignores limits until gaps are closed, which tight limits may prevent.)
   bool has_rolled_out() const { return rolled_out_; }
   /// The expected reduction of the cost by a full step along the direction, for a candidate without gaps.
   double expectedReduction() const;
@@ -91,8 +87,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const std::vector<std::unique_ptr<Direction>>& directions() const { return directions_; }
 
   /// The size of the cost, initially 1. Thresholds and limits of the regularisation (th_stop, th_grad, th_kkt, reg_min,
-  /// reg_max) are meant for costs with Hessians of ordinary size; they are multiplied by it. The weights of a problem
-  /// times a number then give the same motion.
+  /// reg_max) are multiplied by it, so that a common factor of all weights does not change the motion.
   double get_scale() const { return scale_; }
   void set_scale(double scale);  // above 0, or std::invalid_argument is thrown
   /// Whether a solve computes the scale from the Hessians at its guess; it remains 1 for ordinary sizes. Initially
@@ -113,13 +108,11 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
   double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
   double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
-  /// The KKT residual of the candidate in units of get_kkt_scale(), with least_squares_multipliers; NaN if the last
-  /// solve did not compute it.
+  /// The candidate's KKT residual in units of get_kkt_scale(), with least_squares_multipliers; NaN if not computed.
   double get_kkt_residual() const { return kkt_; }
   /// The number of steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
   std::size_t get_polishing_iter() const { return polishing_; }
-  /// The backward pass of a single problem. With several subproblems these are empty, except Vx and k: read the others
-  /// from directions().
+  /// Results of the backward pass. With several subproblems only Vx and k are here, and the others in directions().
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
   const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T matrices, ndx x ndx
   const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T matrices, ndx x nu
@@ -130,7 +123,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const Vectors& get_Vx() const { return Vx_; }         // gradients of the value function (T + 1)
   const Vectors& get_k() const { return k_; }           // feed-forward terms (T)
 
-  /// They throw std::invalid_argument for numbers out of range.
+  /// Throw std::invalid_argument for numbers out of range.
   void set_reg_incfactor(double x) { internal::kAboveOne.set(reg_incfactor_, x, "SolverDDP::set_reg_incfactor"); }
   void set_reg_decfactor(double x) { internal::kAboveOne.set(reg_decfactor_, x, "SolverDDP::set_reg_decfactor"); }
   void set_reg_min(double x) { internal::kNotNegative.set(reg_min_, x, "SolverDDP::set_reg_min"); }
@@ -140,10 +133,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
 
-  /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt; initially infinite. When th_stop is met, a
-  /// solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of costs,
-  /// in their unit.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
-  /// th_kkt is above 0.
+  /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt (> 0; initially infinite). When th_stop is met,
+  /// a solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of
+  /// costs.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
   void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverDDP::set_th_kkt"); }
 
  protected:
@@ -155,7 +147,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
   void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible, double init_reg);
-  /// Called after a new direction, before steps are tried; and after each of them.
+  /// Called after a new direction, before steps are tried.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}  // after each tried step
   /// Whether the tried step is accepted, according to dV and dVexp, and if so whether its states are feasible.
@@ -174,14 +166,13 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// Calls work(direction) for every subproblem, in parallel.
   template <class Work>
   void each_direction(Work&& work);
-  /// Computes xs_try, us_try and cost_try. The gaps of the running nodes, or of the terminal one, are reduced in
-  /// proportion to the step length.
+  /// Computes xs_try, us_try and cost_try. The gaps of the running nodes (keep_gaps), or of the terminal one
+  /// (keep_terminal_gap), are reduced in proportion to the step length.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
   /// The sum of the directions' dg and dq; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
   void setFeedForward(const Vectors& nu);  // sets k = -nu for the next forward passes of `descend`
-  /// Computes g at us_try, where nodes are differentiated. Components of controls at a limit that would leave it are
-  /// zero.
+  /// Computes g at us_try, where nodes are differentiated. g is zero for controls at a limit that a step would exceed.
   void computeFeedForwardGradient(Vectors& g);
   void preconditionFeedForward(Vectors& g);  // g <- diag(Quu)^-1 g
   /// Projects the guess us onto the limits. If this changes a guess without gaps, it has gaps afterwards.

@@ -13,7 +13,7 @@ class DifferentialActionModelLQR
  public:
   static constexpr const char* kName = "DifferentialActionModelLQR";  // for messages
 
-  /// They throw std::invalid_argument for wrong sizes, and if [Q N; N^T R] has an eigenvalue below -1e-12.
+  /// Throw std::invalid_argument for wrong sizes, and if [Q N; N^T R] has an eigenvalue below -1e-12 of the largest.
   DifferentialActionModelLQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q,
                              const MatrixXs& R, const MatrixXs& N);
   DifferentialActionModelLQR(const MatrixXs& Aq, const MatrixXs& Av, const MatrixXs& B, const MatrixXs& Q,

@@ -26,15 +26,14 @@ class IntegratedActionModelEuler
 };
 
 struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of IntegratedActionModelEuler.
-  /// Throws std::invalid_argument, with storage kPanel only, for constraints, controls that change over a step, or a
-  /// state class that is not part of this library.
+  /// With kPanel, throws std::invalid_argument for constraints, controls that change over a step, user-defined states.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   IntegratorStage stage(std::size_t) const override { return {differential, control}; }
   bool has_matrices() const override { return differential->storage != MatrixStorage::kPanel; }
   void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const override;
   void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const override;
-  /// [a_x a_u] if there are no matrices. Throws std::logic_error before calcDiff.
+  /// Returns [a_x a_u] of data without matrices. Throws std::logic_error before calcDiff.
   const PanelView& panel() const;
   /// Computes Fx, Fu from lower halves h a_x, h a_u, with calcDiff's J1, J2. Only for states of this library.
   void integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;

@@ -1,7 +1,6 @@
 #pragma once
-// Feasibility-driven DDP. A step of length s < 1 from a candidate with gaps leaves (1 - s) of them, and may increase
-// the cost until they are closed. Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverFDDP (Mastalli
-// et al., ICRA 2020).
+// Feasibility-driven DDP: a step of length s < 1 leaves (1 - s) of the candidate's gaps, and may increase the cost
+// until they are closed. Interface, algorithm, defaults: Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/ddp.hpp"
 
@@ -17,7 +16,7 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   void forwardPass(double steplength) override;
   /// Share of an expected increase of the cost that is accepted.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
-  /// Sets it; it is not negative.
+  /// Sets this share. Throws std::invalid_argument if it is negative.
   void set_th_acceptnegstep(double x) {
     internal::kNotNegative.set(th_acceptnegstep_, x, "SolverFDDP::set_th_acceptnegstep");
   }

@@ -1,11 +1,10 @@
 #pragma once
-// Forward dynamics without contacts. Crocoddyl's DifferentialActionModelFreeFwdDynamics.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
 namespace manycontact {
 
-/// Forward dynamics without contacts.
+/// Forward dynamics without contacts. Crocoddyl's DifferentialActionModelFreeFwdDynamics.
 class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
  public:
   /// Throws std::invalid_argument if the parts do not belong together.

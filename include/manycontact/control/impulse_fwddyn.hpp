@@ -38,9 +38,8 @@ class ActionModelImpulseFwdDynamics
   using ImpulseModelMultiple = manycontact::ImpulseModelMultiple;
   using StateMultibody = manycontact::StateMultibody;
 
-  /// costs and constraints have nu = 0. enable_force has no effect: the derivatives of impulses are always computed.
-  /// Throws std::invalid_argument if the parts do not belong together, or r_coeff or the damping are negative or not
-  /// finite.
+  /// costs and constraints have nu = 0. enable_force has no effect: derivatives of impulses are always computed. Throws
+  /// std::invalid_argument if parts do not belong together, or r_coeff or damping are negative or not finite.
   ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state, std::shared_ptr<ImpulseModelMultiple> impulses,
                                 std::shared_ptr<CostModelSum> costs, double r_coeff = 0, double JMinvJt_damping = 0,
                                 bool enable_force = false)
@@ -66,7 +65,7 @@ class ActionModelImpulseFwdDynamics
   double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
   void set_restitution_coefficient(double r_coeff);                // not negative, or std::invalid_argument is thrown
   double get_damping_factor() const { return dynamics_->get_damping_factor(); }  // JMinvJt_damping [1/kg]
-  /// Not negative, or std::invalid_argument is thrown.
+  /// damping: not negative, or std::invalid_argument is thrown.
   void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return dynamics_->get_options(); }
@@ -112,7 +111,7 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   Eigen::VectorXd x;               // state of the last calc
   std::vector<bool> status;        // whether each cost, then each constraint, was active at the last calc
   std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks were made for
-  std::vector<FrameIndex> frames;  // frames of the impulses at that time
+  std::vector<FrameIndex> frames;  // frames of the impulses that the blocks were made for
 };
 
 }  // namespace manycontact

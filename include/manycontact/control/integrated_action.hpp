@@ -50,12 +50,12 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
 
  protected:
   const NodeAbstract* sized_by() const override { return differential_.get(); }
-  /// Prints it with another name.
+  /// Prints the model under the given name.
   void print_as(const char* name, std::ostream& os) const {
     os << name << " {dt=" << time_step_ << ", " << *differential_ << "}";
   }
 
-  /// Compute what calc and calcDiff do in a terminal node.
+  /// Compute the results of calc and calcDiff in a terminal node.
   void calc_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
   void calcDiff_terminal(const ConstVectorRef& x, IntegratedActionDataAbstract& data) const;
 

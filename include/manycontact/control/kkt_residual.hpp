@@ -1,23 +1,21 @@
 #pragma once
-// The residual of a candidate in the optimality conditions of a shooting problem.
 
 #include "manycontact/control/shooting.hpp"
 
 namespace manycontact {
 
-/// Computes the largest violation of the optimality conditions for states, controls and multipliers. The multipliers
-/// are l_0 ... l_T of the dynamics and y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi. The bounds of h are
-/// zeros, and P is the projection onto [lo, hi]:
+/// Computes the largest violation of the optimality conditions for states, controls and multipliers l_0 ... l_T of the
+/// dynamics, y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (0 for h). P is the projection onto [lo, hi]:
 ///
 ///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
 ///     stationarity in x  lx_t + fx_t^T l_(t+1) + cx_t^T y_t - l_t,  lx_T + cx_T^T y_T - l_T
 ///     stationarity in u  lu_t + fu_t^T l_(t+1) + cu_t^T y_t
 ///     constraints        c - P(c + y):  bounds, signs of y (>= 0 at an upper bound) and complementarity
 ///
-/// If `limits`, and the problem has limits on controls, the third is u - min(max(u - that, u_lb), u_ub). Without
-/// constraint_multipliers, constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result
-/// is infinite if a number is not finite. `scale` is the unit of the cost: gradients and multipliers are divided by it.
-/// Throws std::invalid_argument for wrong sizes, and a scale that is not above 0.
+/// With `limits`, stationarity s in u is replaced by u - min(max(u - s, u_lb), u_ub). Without constraint_multipliers,
+/// constraints are left out. The nodes are evaluated, with derivatives, at xs, us. The result is infinite if a number
+/// is not finite. `scale` is the unit of the cost: gradients and multipliers are divided by it. Throws
+/// std::invalid_argument for wrong sizes, and a scale that is not above 0.
 double kkt_residual(ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                     const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& multipliers,
                     bool limits, const std::vector<Eigen::VectorXd>& constraint_multipliers = {}, double scale = 1);

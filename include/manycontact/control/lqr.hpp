@@ -1,8 +1,8 @@
 #pragma once
 // Linear dynamics with a quadratic cost:
 //
-//     x' = A x + B u + f,  l = 1/2 x^T Q x + 1/2 u^T R u + x^T N u + q^T x + r^T u,  g = G [x; u] + g0,  h = H [x; u] +
-//     h0
+//     x' = A x + B u + f,    l = 1/2 x^T Q x + 1/2 u^T R u + x^T N u + q^T x + r^T u,
+//     g = G [x; u] + g0,     h = H [x; u] + h0
 //
 // Crocoddyl's ActionModelLQR.
 
@@ -27,8 +27,7 @@ class LinearQuadraticTerms {
   const Eigen::VectorXd& get_h() const { return h_; }  // constant term of the equality constraints
 
  protected:
-  /// Sets them for a node of `rows` dynamics. Throws std::invalid_argument for wrong sizes, or a cost that is not
-  /// convex.
+  /// Sets the terms; rows: rows of the dynamics. Throws std::invalid_argument for wrong sizes or a nonconvex cost.
   void set_terms(const NodeAbstract& node, const char* name, Eigen::Index rows, const Eigen::MatrixXd& B,
                  const Eigen::MatrixXd& Q, const Eigen::MatrixXd& R, const Eigen::MatrixXd& N, const Eigen::MatrixXd& G,
                  const Eigen::MatrixXd& H, const Eigen::VectorXd& f, const Eigen::VectorXd& q, const Eigen::VectorXd& r,
@@ -43,8 +42,7 @@ class ActionModelLQR : public NodeWithData<ActionModelLQR, ActionModelAbstract, 
  public:
   static constexpr const char* kName = "ActionModelLQR";
 
-  /// They throw std::invalid_argument for wrong sizes, and if [Q N; N^T R] has an eigenvalue below -1e-12 of the
-  /// largest.
+  /// Throw std::invalid_argument for wrong sizes, and if [Q N; N^T R] has an eigenvalue below -1e-12 of the largest.
   ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N);
   ActionModelLQR(const MatrixXs& A, const MatrixXs& B, const MatrixXs& Q, const MatrixXs& R, const MatrixXs& N,
                  const VectorXs& f, const VectorXs& q, const VectorXs& r);

@@ -1,16 +1,14 @@
 #pragma once
-// An action model in discrete time whose derivatives are central differences of another model (action/num_diff.hpp).
 
 #include "manycontact/action/num_diff.hpp"
 #include "manycontact/control/action_model.hpp"
 
 namespace manycontact {
 
-/// A node in discrete time with derivatives by central differences.
+/// A node in discrete time with derivatives by central differences (action/num_diff.hpp).
 class ActionModelNumDiff : public NodeNumDiff<ActionModelAbstract, ActionDataAbstract> {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ... of the residuals, which is right for costs 1/2 |r|^2. Otherwise they
-  /// are second differences of the cost.
+  /// with_gauss_approx: Hessians are Rx^T Rx, ..., which is right for costs 1/2 |r|^2; otherwise second differences.
   explicit ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx = false);
   std::shared_ptr<ActionDataAbstract> createData() override;
   void set_disturbance(double disturbance);  // throws std::invalid_argument unless it is positive

@@ -8,8 +8,7 @@
 //     three: c = 0, 1/3, 2/3       b = 1/4, 0, 3/4
 //     four:  c = 0, 1/2, 1/2, 1    b = 1/6, 1/3, 1/3, 1/6
 //
-// Crocoddyl's IntegratedActionModelRK. Hessians of the cost are Gauss-Newton's: the second derivatives of y_i are left
-// out.
+// Crocoddyl's IntegratedActionModelRK. Hessians of the cost are Gauss-Newton's, without second derivatives of y_i.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -33,7 +32,7 @@ class IntegratedActionModelRK
   bool checkData(const DataPtr& data) override;
   void print(std::ostream& os) const override { print_as(kName, os); }
   std::size_t get_ni() const { return c_.size(); }               // number of stages
-  const std::vector<double>& get_weights() const { return b_; }  // of the stages, in the step and in the cost
+  const std::vector<double>& get_weights() const { return b_; }  // weights of the stages, in step and cost
   double get_weight(std::size_t i) const override { return b_[i]; }
 
  private:

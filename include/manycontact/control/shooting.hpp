@@ -3,8 +3,7 @@
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// The interface is that of Crocoddyl's ShootingProblem. Nodes are evaluated in parallel with `get_nthreads()` threads.
-// Results do not depend on the number of threads.
+// Interface: Crocoddyl's ShootingProblem. `get_nthreads()` threads evaluate the nodes; results do not depend on them.
 
 #include <iosfwd>
 #include <limits>
@@ -36,14 +35,12 @@ class ShootingProblem {
   using Models = std::vector<ModelPtr>;
   using Datas = std::vector<DataPtr>;
 
-  /// Throw std::invalid_argument if there is no running model, or if states differ in nx or ndx, or from the size of
-  /// x0.
+  /// Throw std::invalid_argument without running models, and for states that differ in nx or ndx, or from x0 in size.
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model);
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model,
                   const Datas& running_datas, DataPtr terminal_data);
 
-  /// Evaluates every node at xs (T + 1 states), us (T controls); returns the total cost. Throws std::invalid_argument
-  /// for wrong sizes.
+  /// Evaluates every node at xs (T + 1), us (T); returns the total cost. Throws std::invalid_argument for wrong sizes.
   double calc(const Vectors& xs, const Vectors& us);
   /// Computes the derivatives of every node at the last calc; returns the total cost.
   double calcDiff(const Vectors& xs, const Vectors& us);
@@ -58,9 +55,8 @@ class ShootingProblem {
   void quasiStatic(Vectors& us, const Vectors& xs);
   Vectors quasiStatic_xs(const Vectors& xs);
 
-  /// Shifts the horizon by one node (receding horizon): removes the first running node and appends one at the end. The
-  /// other nodes keep their data. The caller shifts the initial guess of the next solve. Without data, new ones are
-  /// created.
+  /// Shifts the horizon by one node (receding horizon): removes the first running node and appends one at the end.
+  /// Other nodes keep their data. The caller shifts the initial guess. Without `data`, new data are created.
   void circularAppend(ModelPtr model, DataPtr data);
   void circularAppend(ModelPtr model);
   /// Replace node i; i = T is the terminal node.
@@ -78,8 +74,7 @@ class ShootingProblem {
   const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
   /// Data of node t.
   const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
-  /// Whether node t depends on x alone, as the terminal node does. Running nodes without controls are evaluated at (x,
-  /// u) with an empty u, because their state changes.
+  /// Whether node t depends on x alone: the terminal node. (Running nodes without controls are called with an empty u.)
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
   std::size_t get_nx() const { return nx_; }              // numbers of a state
   std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector
@@ -108,6 +103,6 @@ class ShootingProblem {
   bool is_updated_ = false;
   internal::LoopTime calc_time_, calcDiff_time_;
 };
-std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);  // prints it as `print` does
+std::ostream& operator<<(std::ostream& os, const ShootingProblem& problem);  // prints the problem
 
 }  // namespace manycontact

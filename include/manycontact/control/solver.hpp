@@ -23,11 +23,9 @@ enum FeasibilityNorm { LInf = 0, L1 };
 /// Why a solver stopped.
 enum class StopReason {
   kNone,         // solve() has not run
-  kConverged,    // the candidate is feasible, the stopping value is below th_stop, and further criteria of the solver
-                 // are met
+  kConverged,    // feasible, stopping value below th_stop, and further criteria of the solver are met
   kIterations,   // maxiter iterations were made
-  kNoDirection,  // no descent direction at the largest regularisation: numbers are not finite, or Quu is not positive
-                 // definite
+  kNoDirection,  // no descent direction at the largest regularisation: non-finite numbers, or Quu not positive definite
   kNoStep,       // no step along a direction was accepted, up to the largest regularisation
   kInterrupted,  // interrupt() was called
   kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
@@ -49,8 +47,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// The results get_xs() and get_us() remain valid until the next solve.
   virtual bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
                      std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) = 0;
-  /// Computes the step of the linear-quadratic problem around the candidate. With `recalc` the derivatives are computed
-  /// first.
+  /// Computes the step of the linear-quadratic problem around the candidate; with `recalc`, first its derivatives.
   virtual void computeDirection(bool recalc) = 0;
   /// Tries a step along the direction; returns the reduction of the cost, or NaN if numbers are not finite there.
   virtual double tryStep(double steplength = 1) = 0;
@@ -59,15 +56,13 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   virtual const Eigen::Vector2d& expectedImprovement() = 0;
   virtual void resizeData();  // adapts the memory to the problem's nodes
 
-  /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): the gaps, stored in fs; the
-  /// violation of g's bounds; |h|.
+  /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): gaps (stored in fs); bounds of g; h.
   double computeDynamicFeasibility();
   double computeInequalityFeasibility();
   double computeEqualityFeasibility();
   void setCandidate(const Vectors& xs_warm = DEFAULT_VECTOR, const Vectors& us_warm = DEFAULT_VECTOR,
                     bool is_feasible = false);
-  /// The callbacks are called after each iteration. If a callback replaces them, the new ones are called from the next
-  /// iteration on.
+  /// The callbacks are called after each iteration. Replacements by a callback take effect at the next iteration.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
@@ -109,7 +104,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// Sets the candidate controls (T); throws std::invalid_argument for wrong sizes.
   void set_us(const Vectors& us);
 
-  /// They throw std::invalid_argument for numbers out of range.
+  /// Throw std::invalid_argument for numbers out of range.
   void set_preg(double x) { internal::kNotNegative.set(preg_, x, "Solver::set_preg"); }
   void set_dreg(double x) { internal::kNotNegative.set(dreg_, x, "Solver::set_dreg"); }
   void set_th_acceptstep(double x) { internal::kShare.set(th_acceptstep_, x, "Solver::set_th_acceptstep"); }
@@ -127,15 +122,15 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   std::shared_ptr<ShootingProblem> problem_;
   Vectors xs_, us_, fs_;  // T + 1, T, T + 1
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
-  bool is_feasible_ = false, was_feasible_ = false;  // whether the candidate, and the previous one, is feasible
+  bool is_feasible_ = false, was_feasible_ = false;
   double cost_ = 0, merit_ = 0, stop_ = 0;
   Eigen::Vector2d d_ = Eigen::Vector2d::Zero();
-  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;  // reductions of cost and merit, actual and expected
+  double dV_ = 0, dPhi_ = 0, dVexp_ = 0, dPhiexp_ = 0;
   double dfeas_ = 0, feas_ = 0, ffeas_ = 0, gfeas_ = 0, hfeas_ = 0, ffeas_try_ = 0, gfeas_try_ = 0, hfeas_try_ = 0;
-  double preg_ = 0, dreg_ = 0;  // regularisation of the primal and dual variables
+  double preg_ = 0, dreg_ = 0;
   double steplength_ = 1, th_acceptstep_ = 0.1, th_stop_ = 1e-9, th_gaptol_ = 1e-16;
   FeasibilityNorm feasnorm_ = LInf;
-  std::size_t iter_ = 0, reported_ = 0;  // reported_: iterations of the solve that callbacks were called after
+  std::size_t iter_ = 0, reported_ = 0;  // reported_: iterations of the solve that callbacks have received
   bool interrupted_ = false;
   StopReason reason_ = StopReason::kNone;
 

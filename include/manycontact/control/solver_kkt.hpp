@@ -33,9 +33,9 @@ class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
   const Vectors& get_dxs() const { return dxs_; }                         // steps of the states (T + 1)
   const Vectors& get_dus() const { return dus_; }                         // steps of the controls (T)
   const Vectors& get_lambdas() const { return lambdas_; }                 // multipliers of the dynamics (T + 1)
-  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }    // of all nodes
-  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }  // of all nodes
-  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }    // of all nodes
+  std::size_t get_nx() const { return static_cast<std::size_t>(nx_); }    // sum over all nodes
+  std::size_t get_ndx() const { return static_cast<std::size_t>(ndx_); }  // sum over all nodes
+  std::size_t get_nu() const { return static_cast<std::size_t>(nu_); }    // sum over all nodes
 
  private:
   Eigen::Index nx_ = 0, ndx_ = 0, nu_ = 0;

@@ -5,13 +5,11 @@
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v)       ]
 //     [ J  -delta I] [ -f ] = [ -beta J v - alpha e ]      q+ = q (+) h v+,   v+ = v + h a
 //
-// Then the momentum of each free group is corrected (detail/simulation/momentum.hpp). Unlike in Euler's node
-// (control/euler.hpp) the bias J' v is left out: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state is the
-// result of `step` for a SimulationData that starts at x. A simulation that continues differs, since it uses J v at the
-// last q.
+// Then the momentum of each free group is corrected (detail/simulation/momentum.hpp). Unlike in control/euler.hpp the
+// bias J' v is left out: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state is the result of `step` for a
+// SimulationData that starts at x. A simulation that continues differs, since it uses J v at the last q.
 //
-// Costs and constraints are h times those of the differential model; they depend on its accelerations and forces at x,
-// u, as with all other integrators.
+// The cost is h times the differential model's, constraints are its own; both use its accelerations and forces at x, u.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -30,7 +28,7 @@ class IntegratedActionModelSymplectic
  public:
   static constexpr const char* kName = "IntegratedActionModelSymplectic";  // for messages
 
-  /// They throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
+  /// Throw std::invalid_argument unless the model is one of contact dynamics (action/contact_fwddyn.hpp).
   IntegratedActionModelSymplectic(std::shared_ptr<DifferentialActionModelAbstract> model,
                                   std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                   bool with_cost_residual = true);

@@ -35,8 +35,7 @@ struct TaskGains {
 struct TaskSolution {  // The result of optimize, and how it was found.
   bool converged = false;
   double cost = 0;
-  std::string reason;                     // why it stopped; names violated constraints and by how much, and failures;
-                                          // contains the remarks
+  std::string reason;                     // why the solve stopped, with violated constraints, failures and remarks
   std::vector<std::string> remarks;       // fallbacks taken where a solver's own rule failed
   bool interrupted = false;               // whether TaskOptions::each ended the solve
   std::vector<TaskIteration> iterations;  // up to the task's tolerance; of all solvers that were tried
@@ -50,8 +49,7 @@ struct TaskSolution {  // The result of optimize, and how it was found.
   double constraint_violation = 0;  // largest over all nodes and rows
   std::vector<TaskViolation> violations;
   std::vector<TaskFailure> failures;         // dynamics that failed at the result, or in the last steps that were tried
-  std::vector<Eigen::VectorXd> multipliers;  // multipliers of the constraints [g; h] of each node; assign them to
-                                             // TaskProblem::multipliers to continue
+  std::vector<Eigen::VectorXd> multipliers;  // multipliers of each node's [g; h]: a guess for TaskProblem::multipliers
   std::size_t outer_iterations = 0;          // minimisations of the augmented Lagrangian; 0 without constraints
   TaskTimes times;
 

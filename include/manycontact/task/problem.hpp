@@ -1,8 +1,7 @@
 #pragma once
-// The shooting problem of a task file. Each phase has one differential model, shared by its nodes and integrated with
-// the task's step. The terminal node is an Euler step of size 0. Before the nodes of a phase with an impact there is a
-// node of ActionModelImpulseFwdDynamics. It has no controls and no costs, and v+ is the nearest velocity that all
-// contacts of the phase allow.
+// The shooting problem of a task file. Each phase has one differential model, which its nodes share, integrated with
+// the task's step. The terminal node is an Euler step of size 0. A phase with an impact begins with a node of
+// ActionModelImpulseFwdDynamics without controls and costs: v+ is the nearest velocity that the phase's contacts allow.
 //
 // A term for copied robots applies to every copy. Placements, and twists and momenta in world axes, refer to the robot
 // as its element places it; they are moved as `arrange` moves the copies. A missing reference is the x0 of the copy.
@@ -21,10 +20,8 @@ struct TaskProblem {  // A task as a shooting problem.
   std::shared_ptr<ShootingProblem> problem;
   std::vector<Eigen::VectorXd> xs, us;   // initial guess
   std::vector<std::vector<int>> parts;   // robots of each decoupled subproblem of the nodes
-  std::vector<std::vector<int>> blocks;  // subproblems, divided at their couplings; a single one: nodes of the whole
-                                         // scene
-  std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers, as in TaskSolution;
-                                                  // none: zeros
+  std::vector<std::vector<int>> blocks;  // subproblems divided at couplings; a single one: nodes of the whole scene
+  std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers; none: zeros
 };
 
 /// Whether any node has constraints.
@@ -35,8 +32,7 @@ bool has_constraints(const TaskFile& task);
 /// into blocks, unless its couplings are linearly dependent at x0. With kAuto it is divided only if this is predicted
 /// to be cheaper, and with kBoxFddp it is not divided.
 ///
-/// Throws InputError, with the task's file and line, if a term does not fit the models, and if the nodes would not fit
-/// into memory.
+/// Throws InputError, with file and line, if a term does not fit the models, or nodes do not fit into memory.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
 /// Makes the problem for the task's own solver.
 TaskProblem make_problem(const TaskFile& task);

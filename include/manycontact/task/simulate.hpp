@@ -16,8 +16,7 @@ struct SimulatedMotion {
   double distance = 0;                   // largest component of x (-) xs at any node, where xs is the solution
 };
 
-/// Simulates with u = us_t - K_t (x (-) xs_t), which is constant from node t to the next, and the contacts of each
-/// phase. Each node has `substeps` steps, at least 1.
+/// Simulates u = us_t - K_t (x (-) xs_t), constant between nodes, with the phases' contacts; substeps: >= 1, per node.
 ///
 /// A contact that closes at a change of phase stops its frames at once (switch_contacts), whether the phase has an
 /// impact or not. It constrains them where they are then, unless the phase requires the placement in the scene

@@ -16,7 +16,7 @@ std::vector<TaskViolation> violations(const TaskProblem& problem);
 
 struct TaskFailure {  // Part of a scene whose dynamics fail.
   std::size_t node = 0;
-  std::string kind, name, text;  // "no_inertia", "q/root" and why, as massless_joints has them; else "failed", the
+  std::string kind, name, text;  // "no_inertia", "q/root" and the reason (see massless_joints); else "failed", the
                                  // robots and the solver's reason
 };
 

@@ -56,7 +56,7 @@ void ActuationModelSelection::calc(const DataPtr& data, const ConstVectorRef& x,
 }
 
 void ActuationModelSelection::calcDiff(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActuationModel::calcDiff", x, u);  // constant, set in createData
+  check("ActuationModel::calcDiff", x, u);  // derivatives are constant, set in createData
 }
 
 void ActuationModelSelection::commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) {
@@ -67,10 +67,10 @@ void ActuationModelSelection::commands(const DataPtr& data, const ConstVectorRef
 }
 
 void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorRef& x, const ConstVectorRef& u) {
-  check("ActuationModel::torqueTransform", x, u);  // constant, set in createData
+  check("ActuationModel::torqueTransform", x, u);  // Mtau is constant, set in createData
 }
 
-// Only for the classes of the library: the derivatives of a user's class are not known.
+// The selection is used only for classes of the library: a user's class may have other derivatives.
 const std::vector<int>& ActuationModelSelection::selection() const {
   static const std::vector<int> none;
   const auto& type = typeid(*this);

@@ -5,13 +5,11 @@
 
 namespace manycontact::internal {
 
-/// Evaluates a model or a part of it.
 template <class Model, class Data>
 void calc(Model& model, const Data& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   u ? model.calc(data, x, *u) : model.calc(data, x);
 }
 
-/// Differentiates a model or a part of it.
 template <class Model, class Data>
 void calc_diff(Model& model, const Data& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   u ? model.calcDiff(data, x, *u) : model.calcDiff(data, x);

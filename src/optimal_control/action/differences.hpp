@@ -1,11 +1,10 @@
 #pragma once
-// Jacobians of functions by central differences.
 
 #include "manycontact/action/state.hpp"
 
 namespace manycontact::internal {
 
-/// column(i, (f(+) - f(-)) / 2h) for each of n directions; f(step of direction i), column(i, f(+), f(-), 2h).
+/// Calls column(i, f(d), f(-d), 2h) for each of n directions i, where d is a step of length h along i.
 template <class F, class Column>
 void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -17,7 +16,7 @@ void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
   }
 }
 
-/// The Jacobian of a function of n numbers.
+/// Returns the Jacobian (rows x n) of f at zero.
 template <class F>
 Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   Eigen::MatrixXd J(rows, n);
@@ -27,7 +26,7 @@ Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   return J;
 }
 
-/// Computes the differences with respect to u; the steps are relative to u.
+/// Returns the Jacobian of f(u); steps are h max(1, |u_i|).
 template <class F>
 Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
   const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// A part fits a stack: it exists, and has the same state and number of controls.
+/// Throws std::invalid_argument unless a part exists, and has the stack's state and number of controls.
 template <class Part, class State>
 void check_part(const char* who, const std::string& name, const std::shared_ptr<Part>& part,
                 const std::shared_ptr<State>& state, std::size_t nu) {
@@ -28,7 +28,7 @@ void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
   }
 }
 
-/// "frame=left_sole, type=LOCAL"; "none" for an id that is none's.
+/// Prints "frame=left_sole, type=LOCAL", with "none" for an id without a frame.
 inline void print_frame(std::ostream& os, const Multibody& model, FrameIndex id, ReferenceFrame type) {
   os << "frame=" << (id < model.frames.size() ? model.frames[id].name : "none") << ", type="
      << (type == LOCAL   ? "LOCAL"

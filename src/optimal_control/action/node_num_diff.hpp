@@ -1,5 +1,4 @@
 #pragma once
-// Derivatives of a node by central differences, in continuous and in discrete time.
 
 #include <cmath>
 #include <ostream>
@@ -9,8 +8,7 @@
 
 namespace manycontact::internal {
 
-/// The numbers [cost; next; r; g; h] of a model near a point: x moved along the tangent, u as it is. A terminal node
-/// has no u. next(data): coordinates of its acceleration, or of its next state.
+/// Computes [cost; next; r; g; h] at x (+) dx, u + du (terminal: without u); next(data): acceleration or next state.
 template <class Node, class NodeData, class Next>
 struct Around {
   Node& model;
@@ -32,7 +30,7 @@ struct Around {
   }
 };
 
-/// L_ij = (L(+,+) - L(+,-) - L(-,+) + L(-,-)) / 4h^2
+/// Computes the Hessian of the cost: L_ij = (L(+,+) - L(+,-) - L(-,+) + L(-,-)) / 4h^2.
 template <class Function, class Data>
 void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
   const Eigen::Index nu = at.u.size(), n = ndx + (at.terminal ? 0 : nu);
@@ -56,8 +54,8 @@ void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
   d.Luu = L.bottomRightCorner(nu, nu);
 }
 
-/// All derivatives of d, whose g, h, r have their sizes. The step is absolute in x's tangent, relative to max(1, |u_i|)
-/// in u. gauss: Hessians Rx^T Rx, ..., not second differences.
+/// Computes all derivatives in d, whose g, h, r have their sizes. The step is absolute in x's tangent space, relative
+/// to max(1, |u_i|) in u. gauss: Hessians are Rx^T Rx, ..., instead of second differences.
 template <class Function, class Data>
 void central_differences(const Function& at, double step, bool gauss, Data& d) {
   const Eigen::Index ndx = static_cast<Eigen::Index>(at.model.get_state()->get_ndx()), nu = at.u.size();

@@ -20,8 +20,7 @@ struct Differences {
   Eigen::MatrixXd x, u;  // derivatives with respect to x and u; a terminal node has none for u
 };
 
-// Differentiates value(data) of a part of an action model. before(x, u) is called before each calc. In the end the data
-// are those of the point again.
+// Differentiates value(data) of a part at x, u, and restores the data there. before(x, u) is called before each calc.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
@@ -44,8 +43,6 @@ Differences differences(Model& model, const std::shared_ptr<Data>& data, const E
 }
 
 }  // namespace
-
-// ---- state
 
 StateNumDiff::StateNumDiff(std::shared_ptr<StateAbstract> state)
     : StateAbstract(internal::given("StateNumDiff", state)->get_nx(), state->get_ndx()),
@@ -85,8 +82,6 @@ void StateNumDiff::JintegrateTransport(const ConstVectorRef& x, const ConstVecto
   Jin = (Jintegrate_Js(x, dx, which)[0] * Jin).eval();
 }
 
-// ---- activation
-
 ActivationDataNumDiff::ActivationDataNumDiff(const ActivationModelNumDiff* model)
     : ActivationDataAbstract(model->get_nr()), data_0(model->get_model()->createData()) {
   Arr_.setZero(Ar.size(), Ar.size());
@@ -118,8 +113,6 @@ void ActivationModelNumDiff::calcDiff(const DataPtr& data, const ConstVectorRef&
   d.Arr.diagonal() = d.Arr_.diagonal();
   calc(data, r);
 }
-
-// ---- actuation
 
 ActuationDataNumDiff::ActuationDataNumDiff(const ActuationModelNumDiff* model)
     : ActuationDataAbstract(model), data_0(model->get_model()->createData()) {
@@ -157,12 +150,10 @@ void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& 
 void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
-  inverse.setThreshold(step_);  // larger than the differences' errors, the step's square
+  inverse.setThreshold(step_);  // larger than the differences' errors, O(step^2)
   inverse.compute(Eigen::MatrixXd(data->dtau_du));
   data->Mtau = inverse.pseudoInverse();
 }
-
-// ---- residual
 
 std::shared_ptr<ResidualDataAbstract> ResidualModelNumDiff::createData(DataCollector* shared) {
   auto data = std::make_shared<ResidualDataNumDiff>(this, shared);
@@ -186,8 +177,6 @@ void ResidualModelNumDiff::differences_of(const DataPtr& data, const Eigen::Vect
   if (!terminal) d.Ru = by.u;
   d.r = d.data_0->r;
 }
-
-// ---- cost and constraint
 
 template <class Model, class Data>
 void PartNumDiff<Model, Data>::differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
@@ -213,7 +202,7 @@ Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
   return out;
 }
 
-// The cost's derivatives with the activation's at the point.
+// Computes Gauss-Newton's Hessians, with the activation's Arr at the point.
 void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
@@ -243,8 +232,6 @@ void ConstraintModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::Mat
   d.Hu = by_u->bottomRows(d.h.size());
 }
 
-// ---- contact
-
 void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& data, const ConstVectorRef& x) {
   const StateMultibody& state = *model_->get_state();
   const Eigen::VectorXd no_controls = Eigen::VectorXd::Zero(size(model_->get_nu()));
@@ -257,8 +244,6 @@ void ContactModelNumDiff::calcDiff(const std::shared_ptr<ContactDataAbstract>& d
                           [&](const Eigen::VectorXd& dx) { return a0(state.integrate_x(x, dx)); });
   (void)a0(x);
 }
-
-// ---- a node in continuous time
 
 template class NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract>;
 

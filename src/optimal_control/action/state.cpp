@@ -87,8 +87,6 @@ void StateAbstract::set_ub(const Eigen::VectorXd& ub) {
 
 void StateAbstract::update_has_limits() { has_limits_ = lb_.array().isFinite().any() || ub_.array().isFinite().any(); }
 
-// ---- the state of a scene
-
 StateMultibody::StateMultibody(std::shared_ptr<const Multibody> model)
     : StateAbstract(internal::given("StateMultibody", model)->nq + internal::given("StateMultibody", model)->nv,
                     2 * internal::given("StateMultibody", model)->nv),

@@ -20,18 +20,18 @@ void each_residual(const ActionTerms& terms, Use&& use) {
     use(name, *item->constraint->get_residual(), item->active);
 }
 
-/// Throws std::invalid_argument where costs or constraints were added or removed since the data were created, or a
-/// constraint's status was written into its item.
+/// Throws std::invalid_argument if costs or constraints were added or removed since the data were created, or a
+/// constraint's `active` was changed without changeConstraintStatus.
 void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
                  const ConstraintDataManager* constraints);
-/// False when a residual has been given another frame.
+/// Whether the residuals' data still fit: false after a residual's frame has changed.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
-/// The active terms, in the order of each_residual.
+/// Read, or compare, whether each term is active, in the order of each_residual.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
 /// Checks a calcDiff: throws std::logic_error unless a calc of the same kind, with the same active terms, preceded it.
 void check_stage(const char* who, bool fits, Stage stage);
-/// The residuals of the active costs, one after the other.
+/// Stacks the residuals of the active costs.
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
 
 }  // namespace manycontact::internal

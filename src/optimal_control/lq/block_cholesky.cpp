@@ -11,7 +11,7 @@ namespace manycontact::lq {
 
 namespace {
 
-// Vertices below each, fill included: those below a column join those below its parent, the first of them.
+// Returns the vertices below each, with fill-in: those below a column are added to its parent, the first of them.
 std::vector<std::set<int>> fill(int n, const std::vector<std::pair<int, int>>& edges) {
   std::vector<std::set<int>> below(n);
   for (const auto& [u, v] : edges)

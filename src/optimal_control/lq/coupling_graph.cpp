@@ -36,8 +36,7 @@ void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) 
   }
 }
 
-// Couplings of all knots that touch the same clusters are one track, of two vertices in S: all their mu, then all their
-// w.
+// Couplings that touch the same clusters, in any knot, form a track: two vertices of S, all their mu, then all their w.
 void make_vertices(const Problem& problem, CouplingGraph& graph) {
   const int T = problem.horizon();
   std::vector<std::vector<std::vector<int>>> touched(T + 1);  // clusters that each coupling of each knot touches
@@ -107,7 +106,7 @@ CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan) {
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph) {
   double flops = riccati_flops(problem, plan) + block_cholesky_flops(graph.vertices, graph.edges);
   for (const auto& cluster : graph.nodes) {
-    double later = 0;  // y of the knots behind
+    double later = 0;  // size of y in later knots
     for (std::size_t k = plan.size(); k-- > 0;) {
       const Cluster& c = plan[k][cluster[k].cluster];
       const double n = c.nx, m = c.nu, y = cluster[k].size;

@@ -1,4 +1,4 @@
-// The response of each cluster to the y of its couplings: its part of S.
+// Computes each cluster's part of S: its response to the y of its couplings.
 
 #include "dense.hpp"
 #include "manycontact/lq/coupling_schur.hpp"
@@ -6,7 +6,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Rows of M, blocks' states, from the order of one cluster to that of another with the same blocks.
+// Reorders the rows of M, the blocks' states, from one cluster's order to that of another with the same blocks.
 void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to, const MatrixMap& M, MatrixMap out) {
   for (std::size_t i = 0; i < from.blocks.size(); ++i)
     for (std::size_t j = 0; j < to.blocks.size(); ++j)
@@ -18,7 +18,7 @@ void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to
 
 }  // namespace
 
-// Gx, Gu, E of the node's y, and its own block [R_ww D_w^T; D_w 0] in S.
+// Computes Gx, Gu, E of the node's y, and its own block [R_ww D_w^T; D_w 0] in S.
 void CouplingSchur::add_terms_of_y(const Problem& problem, int k, const CouplingNode& node) {
   const Cluster& c = riccati_.plan()[k][node.cluster];
   const bool last = k == problem.horizon();
@@ -56,13 +56,12 @@ void CouplingSchur::add_terms_of_y(const Problem& problem, int k, const Coupling
   }
 }
 
-// SymplecticStructure of every knot, or none: the first half of the cluster's state y then moves by the other, z.
+// Returns the structure if every knot has one, else nullptr: the first half of the state then moves by the other, z.
 const SymplecticStructure* CouplingSchur::steps(const Problem& problem, int cluster, int k) const {
   return by_steps_ ? riccati_.steps(problem, k, graph_.nodes[cluster][k].cluster) : nullptr;
 }
 
-// Computes F, pi, theta of knot k and S_kk, and W of the next knot. F = [J 0; 0 0] + [G; 1] F_z is stored by its rows
-// F_z, which are all of F if there are no steps.
+// Computes F, pi, theta, S_kk of knot k and the next W. F = [J 0; 0 0] + [G; 1] F_z is stored as F_z (no steps: as F).
 void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   const CouplingNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];
@@ -158,8 +157,8 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   W = FW;
 }
 
-// S_jl for all j < l, y_l of one vertex: V = F_(j+1)^T ... F_(l-1)^T pi_l of all l > j, in the order of knot j + 1, the
-// vertex' last columns. Kept are V_y, and Z = G_j^T V_y + V_z, all of V where there are no steps:
+// Computes S_jl for j < l, y_l of one vertex: V = F_(j+1)^T ... F_(l-1)^T pi_l for all l > j, in the order of knot j +
+// 1, in the vertex's last columns. Stored are V_y and Z = G_j^T V_y + V_z, which is V if there are no steps:
 //
 //   theta^T V = (theta_y - G_j theta_z)^T V_y + theta_z^T Z
 //   [V_y; Z] <- [J^T V_y; G_(j-1)^T J^T V_y] + [F_zy  F_zy G_(j-1) + F_zz]^T Z       F_j^T V in the order of knot j

@@ -10,12 +10,11 @@ namespace manycontact::lq {
 
 namespace {
 
-// The proximal term where S is semidefinite in w or mu alone, relative to its entries. At sqrt(eps) one solve is
-// accurate to sqrt(eps), and each refinement gains as much.
+// Relative size of the proximal term if S is semidefinite in w or mu: at sqrt(eps) each refinement gains sqrt(eps).
 constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 
-// The equations of w and mu at (x, u, lambda) of z and w = mu = 0, by knot: into w and mu of `out`.
+// Evaluates the equations of w and mu at z's (x, u, lambda) and w = mu = 0, and stores them in out.w and out.mu.
 void equations_of_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
   for (int k = 0; k <= problem.horizon(); ++k) {
     out.w[k] = h.w[k];
@@ -46,7 +45,7 @@ void equations_of_y(const Problem& problem, const Layout& layout, const Point& h
   }
 }
 
-// h with what y = (w, mu) of z adds to the equations of x, u and lambda.
+// Computes out = h plus the terms of z's y = (w, mu) in the equations of x, u and lambda.
 void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
   out.lambda[0] = h.lambda[0];
   for (int k = 0; k <= problem.horizon(); ++k) {
@@ -79,8 +78,6 @@ void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, 
 
 }  // namespace
 
-// ---- analyse --------------------------------------------------------------------------------------------------
-
 void CouplingSchur::do_analyse(const Problem& problem) {
   riccati_.analyse(problem);
   const Plan& plan = riccati_.plan();
@@ -92,7 +89,7 @@ void CouplingSchur::do_analyse(const Problem& problem) {
   F_.assign(knots, {});
   pi_.assign(knots, {});
   theta_.assign(knots, {});
-  std::size_t n = 0, nu = 0, y = 0, of_vertex = 0;  // the largest
+  std::size_t n = 0, nu = 0, y = 0, of_vertex = 0;  // largest sizes
   for (const auto& cluster : graph_.nodes) {
     for (std::size_t k = 0; k < knots; ++k) {
       const Cluster& c = plan[k][cluster[k].cluster];
@@ -115,8 +112,6 @@ void CouplingSchur::do_analyse(const Problem& problem) {
   terms_ = Point(problem, layout_);
   y_.resize(schur_.size());
 }
-
-// ---- factorize ------------------------------------------------------------------------------------------------
 
 Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation& reg) {
   const Outcome outcome = riccati_.factorize(problem, reg);
@@ -141,12 +136,10 @@ void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg
   for (int c = 0; c < static_cast<int>(graph_.nodes.size()); ++c) respond(problem, c);
 }
 
-// ---- solve ----------------------------------------------------------------------------------------------------
-
 void CouplingSchur::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
   riccati_.pass(problem, h, z);
   equations_of_y(problem, layout_, h, z, terms_);
-  const auto each = [&](auto&& f) {  // f(part of z, part of terms_, place in y)
+  const auto each = [&](auto&& f) {  // f(vector of z, vector of terms_, first in these, size, first in y)
     for (std::size_t k = 0; k < graph_.places.size(); ++k)
       for (std::size_t b = 0; b < graph_.places[k].size(); ++b) {
         const CouplingPlace& place = graph_.places[k][b];

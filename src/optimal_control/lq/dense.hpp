@@ -6,7 +6,7 @@
 namespace manycontact::lq {
 
 using MatrixMap = Eigen::Map<MatrixXd>;
-/// The first rows x cols numbers of a scratch.
+/// Returns the first rows x cols numbers of a workspace as a matrix.
 inline MatrixMap as_matrix(std::vector<double>& scratch, Index rows, Index cols) {
   return {scratch.data(), rows, cols};
 }
@@ -16,17 +16,16 @@ using ConstSegment = const Eigen::Ref<const VectorXd>&;
 void add_AB(Block C, double a, ConstBlock A, ConstBlock B);         // C += a A B
 void add_AtB(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A^T B
 void add_ABt(Block C, double a, ConstBlock A, ConstBlock B);        // C += a A B^T
-void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // the same, but of a symmetric result only the
-                                                                    // lower triangle
-void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B);  // triangle only
-void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B);
+void add_lower_AB(Block C, double a, ConstBlock A, ConstBlock B);   // C += a A B, symmetric C: lower triangle
+void add_lower_AtB(Block C, double a, ConstBlock A, ConstBlock B);  // C += a A^T B, symmetric C: lower triangle
+void add_lower_ABt(Block C, double a, ConstBlock A, ConstBlock B);  // C += a A B^T, symmetric C: lower triangle
 
 void add_Ax(Segment y, double a, ConstBlock A, ConstSegment x);   // y += a A x
 void add_Atx(Segment y, double a, ConstBlock A, ConstSegment x);  // y += a A^T x
 
 void copy_lower_to_upper(Block C);
 
-/// A = L L^T, L over A's lower triangle. False where a pivot keeps less than `least` of A's diagonal entry.
+/// Factorizes A = L L^T in A's lower triangle. Returns false if a pivot is below `least` times A's diagonal entry.
 [[nodiscard]] bool cholesky(Block A, double least);
 void solve_L(ConstBlock L, Block X);         // X <- L^-1 X
 void solve_Lt(ConstBlock L, Block X);        // X <- L^-T X

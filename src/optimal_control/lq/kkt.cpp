@@ -9,7 +9,7 @@
 namespace manycontact::lq {
 namespace {
 
-// A vector of equations, and of the sums of their |terms|.
+// Residuals of equations, and the sums of their |terms|.
 struct Rows {
   VectorXd& sum;
   VectorXd& scale;
@@ -17,12 +17,12 @@ struct Rows {
 
 using Part = Eigen::Ref<const MatrixXd>;
 
-// rows[to ...] += M z[from ...]
+// Computes rows[to ...] += M z[from ...].
 void multiply(const Part& M, const VectorXd& z, Index from, Rows rows, Index to) {
   add_Az(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to);
 }
 
-// rows[to ...] += M z[from ...], and of the transposed: columns[from ...] += M^T w[to ...]
+// Computes rows[to ...] += M z[from ...] and columns[from ...] += M^T w[to ...].
 void multiply_both(const Part& M, const VectorXd& z, Index from, Rows columns, const VectorXd& w, Index to, Rows rows) {
   add_Az_Atw(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to, w.data() + to, columns.sum.data() + from,
              columns.scale.data() + from);
@@ -33,7 +33,7 @@ void add_segment(const VectorXd& terms, Index from, Index size, Rows rows, Index
   rows.scale.segment(to, size) += terms.segment(from, size).cwiseAbs();
 }
 
-// The terms of one group's Q S R q r A B f C D d. k < T: the knot has dynamics.
+// Adds the terms of one group's Q S R q r C D d and, for k < T, of its A B f.
 void add_group(const Problem& problem, const Layout& layout, int k, const Group& g, const Point& z, Point& residual,
                Point& scale) {
   const bool last = k == problem.horizon();
@@ -85,7 +85,7 @@ void set_zero(Point& z) {
     for (VectorXd& v : z.*part) v.setZero();
 }
 
-// The largest of |r| over the largest of `scale`, in one block of equations.
+// Updates `worst` with max |r| / max scale of each block of equations.
 void judge(const VectorXd& r, const VectorXd& scale, const std::vector<int>& start, double& worst) {
   for (std::size_t b = 0; b + 1 < start.size() && start[b + 1] <= r.size(); ++b) {
     const int n = start[b + 1] - start[b];

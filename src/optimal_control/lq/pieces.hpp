@@ -1,6 +1,5 @@
 #pragma once
-// Maps the vectors of a group to those of a knot: calls f(first in the group's vector, first in the knot's vector,
-// size) for each piece.
+// Maps a group's vectors to a knot's: calls f(first in the group's vector, first in the knot's, size) for each piece.
 
 #include "manycontact/lq/problem.hpp"
 
@@ -15,7 +14,7 @@ void for_each_x(const Problem& problem, const Layout& layout, const Group& g, F&
   }
 }
 
-/// f(first in v_g, whether it is a piece of u (or of w), first in u or w, size)
+/// Calls f(first in v_g, whether it is a piece of u (or of w), first in u or w, size) for each piece.
 template <class F>
 void for_each_v(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
   Eigen::Index at = 0;

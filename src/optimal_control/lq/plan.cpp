@@ -21,7 +21,7 @@ void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::Unio
   }
 }
 
-// Appends group `index` to the cluster: its states and controls.
+// Appends the states and controls of group `index` to the cluster.
 void add_member(const Problem& problem, int k, int index, Cluster& c) {
   const Group& g = problem.knots[k].groups[index];
   Member m{index, c.nx, 0, {}, {}};
@@ -38,7 +38,7 @@ void add_member(const Problem& problem, int k, int index, Cluster& c) {
   c.members.push_back(std::move(m));
 }
 
-// Couplings of the cluster's members become its own: w behind all controls.
+// Adds the couplings of the members to the cluster: their w follow all controls.
 void add_couplings(const Knot& knot, Cluster& c) {
   std::vector<int> w(knot.couplings.size(), -1), row(knot.couplings.size(), -1);
   for (Member& m : c.members) {

@@ -10,14 +10,13 @@ namespace manycontact::lq {
 
 namespace {
 
-// NaN and infinite entries show in the sum.
+// The sum is not finite if an entry is not.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
 // Weight of |D v|^2, relative to the sizes of Qvv and D, that shows whether Qvv is positive definite where D v = 0.
 constexpr double kConvexWhereFeasible = 1e6;
 
-// Smallest pivot of the LU relative to the largest one, whatever their units. Below it the matrix is singular to
-// working precision.
+// Smallest relative pivot of the LU (regardless of units): below it the matrix is singular to working precision.
 constexpr double kSingularPivot = 1e-14;
 
 }  // namespace
@@ -83,7 +82,7 @@ Eigen::Ref<const MatrixXd> Riccati::next_value(const Problem& problem, int k, in
   return P;
 }
 
-// Qxx, Qxv, Qvv of cluster `index`, in step_.
+// Computes Qxx, Qxv, Qvv of cluster `index` in step_.
 void Riccati::expand(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   step_.lay_out(c.nv, c.nx);
@@ -104,7 +103,7 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
   if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
 }
 
-// F^T P+ F
+// Computes F^T P+ F in step_.
 void Riccati::expand_next_value(const Problem& problem, int k, int index) {
   const Cluster& c = plan_[k][index];
   const SymplecticStructure* known = steps(problem, k, index);
@@ -120,7 +119,7 @@ void Riccati::expand_next_value(const Problem& problem, int k, int index) {
     step_.multiply(next_value(problem, k, index), c.members);
 }
 
-// K and P.
+// Computes K and P.
 Status Riccati::eliminate(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
@@ -139,7 +138,7 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
-// The same with the couplings' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
+// Computes K and P with the couplings' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
 Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
@@ -211,7 +210,7 @@ void scatter(const VectorXd& in, const std::vector<int>& start, const std::vecto
 
 }  // namespace
 
-// k and p of knot k, from t = p+ + P+ f.
+// Computes k and p of knot k, from t = p+ + P+ f.
 void Riccati::backward(const Problem& problem, const Point& h, int k) {
   const bool last = k == problem.horizon();
   if (!last)

@@ -17,9 +17,9 @@ void grow(std::vector<double>& panel, std::ptrdiff_t size) {
   if (panel.size() < static_cast<std::size_t>(size)) panel.resize(static_cast<std::size_t>(size));
 }
 
-constexpr Index kTile = 8;  // transposed at a time: a line of the cache
+constexpr Index kTile = 8;  // size of transposed tiles: one cache line
 
-// out, row-major, = A.
+// Copies A to the row-major `out`.
 void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
   const Index rows = A.rows(), cols = A.cols(), stride = A.outerStride();
   for (Index j = 0; j < cols; j += kTile)
@@ -36,7 +36,7 @@ void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
     }
 }
 
-// The upper triangle from the lower one.
+// Copies the lower triangle to the upper one.
 void mirror(MatrixXd& A) {
   const Index n = A.rows();
   for (Index j = 0; j < n; j += kTile)

@@ -26,7 +26,7 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::ActionModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActionDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
 
-/// What Python defines, or else T, where the method is pure virtual in T if T is abstract.
+/// Calls the method that Python defines, otherwise T's; if T is abstract, its method is pure virtual.
 #define MANYCONTACT_OVERRIDE(result, T, name, ...)        \
   if constexpr (std::is_abstract_v<T>) {                  \
     PYBIND11_OVERRIDE_PURE(result, T, name, __VA_ARGS__); \
@@ -38,15 +38,15 @@ namespace manycontact::python {
 
 using State = std::shared_ptr<StateMultibody>;
 
-/// The data that a createData of Python's returned.
+/// Returns the data that Python's createData returned; raises ValueError for None.
 template <class Data>
 std::shared_ptr<Data> made(std::shared_ptr<Data> data) {
   if (!data) throw py::value_error("createData returned None, data are expected");
   return data;
 }
 
-/// A member of action data that the library's models resize: an array on it in data of models written in Python, which
-/// keep their size, else a copy that cannot be written into. Assignment writes into it in either.
+/// Adds a member of action data that the library's models resize. Data of models written in Python have fixed sizes and
+/// return a writable view, other data a read-only copy. Assignment writes into the member of either.
 template <class T, class... Options, class... Given>
 void add_resized(Class<T, Options...>& c, Given... given) {
   const auto add = [&c](const char* name, auto member) {
@@ -61,7 +61,7 @@ void add_resized(Class<T, Options...>& c, Given... given) {
   in_groups<2>(add, given...);
 }
 
-/// ValueError unless `values` has the shape of `matrix`. name: for errors.
+/// Raises ValueError unless `values` has the shape of `matrix`. name: for messages.
 template <class M>
 void expect_shape(const char* name, const Eigen::MatrixXd& values, const M& matrix) {
   if (values.rows() != matrix.rows() || values.cols() != matrix.cols())
@@ -69,14 +69,14 @@ void expect_shape(const char* name, const Eigen::MatrixXd& values, const M& matr
                           std::to_string(matrix.cols()) + ") is expected");
 }
 
-/// Members that the data of action models, differential or not, have in common.
+/// Adds the members that data of differential and discrete action models have in common.
 template <class T, class... Options>
 void add_action_data(Class<T, Options...>& c) {
   c.template write<&T::cost>().template views<&T::Fu, &T::Fx, &T::Lx, &T::Lu, &T::Lxx, &T::Lxu, &T::Luu>();
   add_resized(c, "r", &T::r, "g", &T::g, "h", &T::h, "Gx", &T::Gx, "Gu", &T::Gu, "Hx", &T::Hx, "Hu", &T::Hu);
 }
 
-/// calc(data, x, u=None) and calcDiff(data, x, u=None).
+/// Adds calc(data, x, u=None) and calcDiff(data, x, u=None).
 template <class Data, class T, class... Options, class... Extra>
 void add_calc(Class<T, Options...>& c, const Extra&... extra) {
   using Shared = std::shared_ptr<Data>;
@@ -95,7 +95,7 @@ void add_calc(Class<T, Options...>& c, const Extra&... extra) {
       extra...);
 }
 
-/// A property of bounds, which may be infinite.
+/// Adds a property of bounds, which may be infinite.
 template <class T, class... Options, class... Given>
 void add_bounds(Class<T, Options...>& c, Given... given) {
   const auto add = [&c](const char* name, auto get, auto set) {
@@ -104,7 +104,7 @@ void add_bounds(Class<T, Options...>& c, Given... given) {
   in_groups<3>(add, given...);
 }
 
-/// Members that action models, differential or not, have in common. `Data` is that of the abstract class.
+/// Adds the members that differential and discrete action models have in common. Data: that of the abstract class.
 template <class Data, class T, class... Options>
 void add_action_model(Class<T, Options...>& c) {
   c.read("state", &T::get_state, "nu", &T::get_nu, "nr", &T::get_nr, "ng", &T::get_ng, "nh", &T::get_nh, "ng_T",
@@ -116,8 +116,7 @@ void add_action_model(Class<T, Options...>& c) {
   c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
-/// A class to derive from: Python's calc(data, x, u=None), calcDiff(data, x, u=None), createData(). In OpenMP's threads
-/// too: they take turns, by the GIL.
+/// A base class for Python: calls Python's calc, calcDiff (data, x, u=None) and createData, one thread at a time (GIL).
 template <class Abstract, class AbstractData>
 struct PyActionModel : Abstract {
   using Abstract::Abstract;

@@ -1,5 +1,3 @@
-// Contacts, impulses and differential action models.
-
 #include "action.hpp"
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
@@ -82,12 +80,10 @@ void add_impulses(py::module_& m) {
       .def("__str__", &text_of<Multiple>);
 }
 
-// ---- differential action models ------------------------------------------------------------------------------------
-
 using Abstract = DifferentialActionModelAbstract;
 using AbstractData = DifferentialActionDataAbstract;
 
-// A sparse matrix as scipy's: a copy.
+// Returns a getter that copies a sparse matrix to scipy's.
 auto sparse(const Eigen::SparseMatrix<double>& (AbstractData::*get)() const) {
   return [get](const AbstractData& d) {
     Eigen::SparseMatrix<double> matrix = (d.*get)();

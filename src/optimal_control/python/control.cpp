@@ -1,5 +1,3 @@
-// Nodes of optimal control problems.
-
 #include "action.hpp"
 #include "manycontact/control/euler.hpp"
 #include "manycontact/control/impulse_fwddyn.hpp"
@@ -100,7 +98,7 @@ void add_examples(py::module_& m) {
       .constructors<void(std::shared_ptr<Node>, bool)>()
       .read<&NumDiff::get_model>()
       .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();
-  // Nodes of the library's own making, with what all have.
+  // Nodes that only the library creates, with the members of all nodes.
   shared<ActionModelParts, Node>(m);
   shared<ActionModelAugmentedLagrangian, Node>(m).read<&ActionModelAugmentedLagrangian::get_model>();
 }

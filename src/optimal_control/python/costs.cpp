@@ -1,5 +1,3 @@
-// Cones, costs and constraints.
-
 #include "action.hpp"
 #include "manycontact/action/cones.hpp"
 #include "manycontact/action/constraint.hpp"
@@ -10,7 +8,7 @@ namespace manycontact::python {
 
 namespace {
 
-// A property whose setter updates the cone.
+// Adds a property whose setter updates the cone.
 template <class Cone, class... Given>
 void add_updated(Class<Cone>& c, Given... given) {
   const auto add = [&c]<class X>(const char* name, X (Cone::*get)() const, auto set) {
@@ -19,7 +17,7 @@ void add_updated(Class<Cone>& c, Given... given) {
   in_groups<3>(add, given...);
 }
 
-// A cone, pickled as the class and the arguments of its constructor.
+// Adds a cone, pickled as its class and the arguments of its constructor.
 template <class Cone, class... Arguments>
 void add_cone(py::module_& m, auto... arguments) {
   Class<Cone> c(m);
@@ -54,7 +52,7 @@ void add_cones(py::module_& m) {
 
 using CostData = std::shared_ptr<CostDataAbstract>;
 
-// A class to derive from. T: CostModelAbstract, or a class of the library's.
+// A base class for Python. T: CostModelAbstract, or a class of this library.
 template <class T>
 struct PyCost : T {
   using T::T;
@@ -80,7 +78,7 @@ struct PyCost : T {
   }
 };
 
-// Derivatives: views of data of a user's own cost, copies of others.
+// Adds derivatives: views of the data of user-defined costs, copies for other costs.
 template <class... Given>
 void add_derivatives(Class<CostDataAbstract, CostData>& c, Given... given) {
   const auto add = [&c]<class M>(const char* name, M CostDerivatives::*made, M CostDataAbstract::*member) {

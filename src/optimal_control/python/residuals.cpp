@@ -1,5 +1,3 @@
-// Residuals of costs and constraints.
-
 #include "action.hpp"
 #include "manycontact/action/residuals/centroidal_residuals.hpp"
 #include "manycontact/action/residuals/contact_residuals.hpp"
@@ -16,7 +14,7 @@ namespace {
 
 using Index = std::size_t;
 
-// Calls of Python's that run in this thread, innermost last.
+// The calls to Python that run in this thread, innermost last.
 struct Running {
   const void* data;
   std::shared_ptr<Shared> shared;
@@ -43,7 +41,7 @@ struct PyResidual : ResidualModelAbstract {
   }
 };
 
-// da/dx (nv, ndx) and da/du (nv, nu) of the last calc.
+// Returns da/dx (nv, ndx) and da/du (nv, nu) of the last calc.
 std::pair<Eigen::MatrixXd, Eigen::MatrixXd> acceleration_derivatives(const DataCollector& d) {
   const Eigen::Index nv = d.scene.nv;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(nv, 2 * nv), u = Eigen::MatrixXd::Zero(nv, d.actuation->u.size());
@@ -95,7 +93,7 @@ void add_shared(py::module_& m) {
       });
 }
 
-// The whole matrix: a view where the data have it (of a user's own cost), else a copy of the blocks.
+// Returns the whole matrix: a view if the data contain it (of a user-defined cost), otherwise a copy of the blocks.
 auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (ResidualDataAbstract::*made)() const) {
   return [member, made](const py::object& self) {
     auto& d = self.cast<ResidualDataAbstract&>();
@@ -103,7 +101,7 @@ auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (Resid
   };
 }
 
-// Assigns the whole matrix to the blocks' rows and columns.
+// Returns a setter that copies the whole matrix to the blocks' rows and columns.
 template <class Block>
 auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
                Eigen::MatrixXd (ResidualDataAbstract::*made)() const, Block ResidualBlock::*block,
@@ -119,8 +117,8 @@ auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
   };
 }
 
-// A residual with a reference. Cones are the residual's own, which setting their members changes; other references are
-// copies.
+// Adds a residual with a reference. A cone is returned as the residual's own, so that setting its members changes the
+// residual; other references are copied.
 template <class T, class... Signatures>
 auto residual(py::module_& m) {
   auto c = shared<T, ResidualModelAbstract>(m);
@@ -161,7 +159,7 @@ void add_residual_base(py::module_& m) {
       .def("__str__", &text_of<Abstract>);
 }
 
-// (state, id, reference, nu) and (state, id, reference).
+// Adds a residual with constructors (state, id, reference, nu) and (state, id, reference).
 template <class T, class Reference>
 void residual_of_frame(py::module_& m) {
   auto c = residual<T, void(State, Index, const Reference&, Index), void(State, Index, const Reference&)>(m);

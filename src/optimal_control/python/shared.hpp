@@ -1,6 +1,5 @@
 #pragma once
-// `data.shared`, a DataCollector: the part of the action model that a residual or cost written in Python can read,
-// while its calc, calcDiff or createData runs.
+// `data.shared`: the part of an action model that Python's residuals and costs can read in calc, calcDiff, createData.
 
 #include "action.hpp"
 #include "manycontact/action/state.hpp"
@@ -32,7 +31,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// A call of Python's in this thread, on these data.
+/// A call to Python in this thread, with these data.
 class Scope {
  public:
   template <class Model, class Data>

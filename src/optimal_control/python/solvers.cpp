@@ -1,5 +1,3 @@
-// Shooting problems, solvers and callbacks.
-
 #include "action.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
@@ -33,7 +31,7 @@ void add_problem(py::module_& m) {
       .def("__str__", &text_of<P>);
 }
 
-// A class to derive from. T: SolverDDP, or one of the library's that derive from it. solve() calls what Python defines.
+// A base class for Python. T: SolverDDP, or one of its subclasses. solve() calls the methods that Python defines.
 template <class T>
 struct PySolver : T {
   using T::T;
@@ -75,8 +73,8 @@ struct PyCallback : CallbackAbstract {
 
 using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
 
-// The only callback of a solver while solve() runs: calls the user's, which may be replaced meanwhile, from the next
-// iteration on; then Ctrl-C ends the solve.
+// The only callback of a solver while solve() runs. It calls the user's callbacks, which may be replaced meanwhile,
+// with effect from the next iteration, and then checks for Ctrl-C, which ends the solve.
 struct Solving : CallbackAbstract {
   explicit Solving(Callbacks of) : users(std::move(of)) {}
   void operator()(SolverAbstract& solver) override {
@@ -166,7 +164,7 @@ void add_solver_base(py::module_& m) {
   auto callback = shared<CallbackAbstract, PyCallback>(m);
   auto solver = shared<S>(m, "SolverAbstract", kCollected);
   callback.constructors<void()>().def("__call__", [](CallbackAbstract& c, SolverAbstract& of) {
-    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // it has none, or calls super()'s
+    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // it defines no __call__, or calls super()'s
     c(of);
   });
   solver.def("solve", &solve_problem)

@@ -1,5 +1,3 @@
-// States, actuations and activations.
-
 #include "action.hpp"
 #include "manycontact/model/expect_state.hpp"
 
@@ -7,9 +5,7 @@ namespace manycontact::python {
 
 namespace {
 
-// ---- states and actuations -----------------------------------------------------------------------------------------
-
-// x of a scene's robots is a configuration and finite velocities. Other states check x themselves.
+// Checks that x of a StateMultibody is a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
   const auto* own = dynamic_cast<const StateMultibody*>(&state);
   if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;
@@ -59,7 +55,7 @@ void add_states(py::module_& m) {
 
 using ActuationData = std::shared_ptr<ActuationDataAbstract>;
 
-// A class to derive from. T: ActuationModelAbstract, or a class of the library's.
+// A base class for Python. T: ActuationModelAbstract, or a class of this library.
 template <class T>
 class PyActuation : public T {
  public:
@@ -85,7 +81,7 @@ class PyActuation : public T {
   }
 };
 
-// A sparse matrix as a whole one: a copy; assignment takes the numbers of a whole one.
+// Adds sparse matrices as dense ones: reading copies, and assignment takes a dense matrix.
 template <class... Given>
 void add_matrices(Class<ActuationDataAbstract, ActuationData>& c, Given... given) {
   using D = ActuationDataAbstract;
@@ -123,8 +119,6 @@ void add_actuations(py::module_& m) {
   shared<ActuationModelFloatingBase, PyActuation<ActuationModelFloatingBase>, ActuationModelSelection>(m)
       .constructors<void(State)>();
 }
-
-// ---- activations ---------------------------------------------------------------------------------------------------
 
 struct PyActivation : ActivationModelAbstract {
   using ActivationModelAbstract::ActivationModelAbstract;

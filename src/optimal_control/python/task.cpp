@@ -1,5 +1,3 @@
-// Motions of task files.
-
 #include "action.hpp"
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/task/simulate.hpp"
@@ -8,8 +6,7 @@ namespace manycontact::python {
 
 namespace {
 
-// solver: none, the task's own. each: called with the TaskIteration after each iteration; False ends the solve, None
-// does not.
+// solver: by default the task's. each: called with each TaskIteration; False ends the solve, None does not.
 TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
                            std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;

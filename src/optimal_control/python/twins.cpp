@@ -88,7 +88,7 @@ void add_differential_lqr(py::module_& m) {
       .read<&Lqr::get_Aq, &Lqr::get_Av, &Lqr::get_B, &Lqr::get_f>();
 }
 
-// A part with the values of another one, and derivatives by central differences.
+// Adds a model with the values of another one, and derivatives by central differences.
 template <class Twin, class Part>
 void add_twin(py::module_& m) {
   shared<Twin, Part>(m)
@@ -96,7 +96,7 @@ void add_twin(py::module_& m) {
       .template property<&Twin::get_disturbance, &Twin::set_disturbance>();
 }
 
-// A part by itself, with the motion of its robots: what an action model has for it.
+// Evaluates a part without an action model, with the motion of the robots that an action model would provide.
 template <class Twin, class Part>
 class Alone {
  public:

@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// The reasons why a subproblem needs all its robots.
+// Whether a term needs all robots of its subproblem in one block.
 bool joins_its_robots(const TaskTerm& term) {
   switch (term.residual) {
     case TaskResidual::kJointEffort:
@@ -88,7 +88,7 @@ namespace task {
 
 namespace {
 
-// One block's node of a phase.
+// Makes the node of one block in a phase.
 std::shared_ptr<ActionModelAbstract> block_of(const TaskFile& own, const TaskPhase& phase,
                                               const std::vector<WrenchEnd>& ends, bool terminal) {
   auto state = std::make_shared<StateMultibody>(own.scene.scene);
@@ -126,7 +126,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
     else
       out.phases.push_back(std::move(node));
   }
-  out.impacts.resize(out.phases.size());  // none: divide_robots
+  out.impacts.resize(out.phases.size());  // no impacts: see divide_robots
   return out;
 }
 

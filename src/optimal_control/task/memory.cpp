@@ -15,7 +15,7 @@ namespace manycontact::task {
 
 namespace {
 
-// Bytes that may still be taken: the system's own figure where it gives one, within the process's limit.
+// Returns the bytes that are still available: the system's figure if it gives one, within the process's limit.
 double available() {
   double out = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   std::ifstream file("/proc/meminfo");
@@ -28,7 +28,7 @@ double available() {
   return out;
 }
 
-// The bytes in use, or 0 if the C library does not report them.
+// Returns the bytes in use, or 0 if the C library does not report them.
 double in_use() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const struct mallinfo2 info = mallinfo2();
@@ -38,7 +38,7 @@ double in_use() {
 #endif
 }
 
-// The memory that solvers keep for a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, and vectors.
+// Returns the bytes that solvers store for a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, and vectors.
 double solver_bytes(double n, double m) { return 8 * (2 * n * n + 2 * n * m + 2 * m * m + 12 * (n + m)); }
 
 double solver_bytes(const ActionModelAbstract& model) {

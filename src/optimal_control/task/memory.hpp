@@ -4,8 +4,7 @@
 
 namespace manycontact::task {
 
-/// Throws InputError if the data of the horizon's nodes and of the solver would exceed the memory. One node of each
-/// kind is created to measure its size.
+/// Throws InputError if data of nodes and solver would exceed the memory; creates one node of each kind to measure it.
 void require_memory(const TaskFile& task, const ShootingProblem::Models& running);
 
 /// Whether the dense Riccati recursions of the task's parts fit into memory, estimated roughly.

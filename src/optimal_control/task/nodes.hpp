@@ -10,15 +10,15 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// Actuates all coordinates but floating bases; every coordinate if no robot has a floating base.
+/// Actuates all coordinates except floating bases and passive joints; all coordinates if no robot has any of these.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
-/// Throws InputError where a term does not fit.
+/// Makes the differential model of a phase. Throws InputError if a term does not fit.
 std::shared_ptr<DiffModel> model_of(const TaskFile& task, const TaskPhase& phase,
                                     const std::shared_ptr<StateMultibody>& state,
                                     const std::shared_ptr<ActuationModelAbstract>& actuation, MatrixStorage storage);
 
-/// The node of the task's integrator.
+/// Makes a node with the task's integrator.
 std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std::shared_ptr<DiffModel>& model);
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
@@ -27,21 +27,21 @@ struct Nodes {
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
-/// The scene with a phase's contacts.
+/// Returns the scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
-/// The same with the external wrenches of the phase.
+/// Returns the scene with a phase's contacts and external wrenches.
 Scene scene_in(const TaskFile& task, const TaskPhase& phase);
-/// Contact rows that depend on others, at x0, without damping: with it every row counts.
+/// Returns the number of dependent contact rows at x0, without damping (with which no row is dependent).
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 
 /// Whether a contact that is active in the phase (or the terminal node) closed during the motion and fixes its frames
 /// where they were then: its placement error is not corrected.
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact);
 
-/// Torques of each phase: quasi-static at x0 without its velocity, or zero.
+/// Returns the torques of each phase: quasi-static at x0 without its velocity, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 
-/// ActionModelParts, coupled, of these groups of the task's robots.
+/// Makes nodes of coupled ActionModelParts, whose blocks are these groups of the task's robots.
 Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
 
 // ---- terms
@@ -55,10 +55,10 @@ struct Parts {
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };
 
-/// (q, v) as the scene's file has them.
+/// Returns (q, v) of the scene's file.
 Eigen::VectorXd x0_of(const SceneFile& file);
 
-/// Add a term to the sums. They throw std::invalid_argument if the term does not fit.
+/// Add a term to the sums. Both throw std::invalid_argument if the term does not fit.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
 void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 

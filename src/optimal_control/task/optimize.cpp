@@ -22,7 +22,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// Bounds for tasks that converged.
+// Accuracy of tasks that converged: constraint violation, KKT residual.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 double median(std::vector<double> x) {
@@ -31,7 +31,7 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-// Times of whole passes [us], and what failed in the steps along the last direction.
+// Times of whole passes [us], and failures in the steps along the last direction.
 struct Passes {
   std::vector<double> forward, derivatives, backward;
   const TaskProblem& problem;
@@ -100,7 +100,7 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, bool by_parts,
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-// The clusters of each subproblem, which may change from node to node.
+// Returns the gains of each cluster of the subproblems; clusters may change from node to node.
 std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   const std::size_t T = solver.get_problem()->get_T();
@@ -118,8 +118,7 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   return out;
 }
 
-// "infeasible constraints: there, by 4.03 at node 40" or "iterations; constraints are missed: ...", those missed most
-// first.
+// Returns e.g. "infeasible constraints: there, by 4.03 at node 40"; the largest violations come first.
 std::string with_violations(StopReason reason, std::vector<TaskViolation> violations) {
   std::sort(violations.begin(), violations.end(), [](const auto& a, const auto& b) { return a.by > b.by; });
   std::ostringstream text;
@@ -138,7 +137,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-// One solve: its maker and what it fills.
+// One solve: its settings, solver and results.
 struct Run {
   const TaskFile& task;
   TaskProblem& problem;
@@ -151,7 +150,7 @@ struct Run {
   std::shared_ptr<SolverDDP> make(const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, problem.parts.size() > 1, shooting, passes);
   }
-  /// The number of iterations that are left.
+  /// Returns the number of remaining iterations.
   std::size_t left() const { return most - std::min(most, out.iterations.size()); }
 
   void solve(SolverAbstract& solver, const SolverDDP& inner) {
@@ -233,7 +232,7 @@ void go_on(Run& run) {
   run.problem.multipliers = guess.multipliers;
 }
 
-// Whether the solve ended where it began, at a gradient of zero with cost left.
+// Whether the solve ended where it began, at a zero gradient with nonzero cost.
 bool stayed_at_guess(const TaskSolution& s) {
   if (!s.converged || s.iterations.empty() || s.cost <= 0) return false;
   return s.iterations.front().stop <= 1e-14 * s.cost && std::abs(s.iterations.front().cost - s.cost) <= 1e-12 * s.cost;
@@ -313,7 +312,7 @@ void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
 }
 
 void take_dense_recursion(Run& run) {
-  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // the whole scene in one
+  TaskProblem dense = make_problem(run.task, TaskSolver::kBoxFddp);  // not divided into blocks
   dense.xs = run.problem.xs;
   dense.us = run.problem.us;
   dense.multipliers = run.problem.multipliers;
@@ -323,7 +322,7 @@ void take_dense_recursion(Run& run) {
   go_on(run);
 }
 
-// Names what fails at the result or, if the solver found no step, in the last ones that it tried.
+// Adds to the reason what fails at the result or, if the solver found no step, in the last steps that it tried.
 void tell_failures(Run& run) {
   TaskSolution& s = run.out;
   run.problem.problem->calc(s.xs, s.us);

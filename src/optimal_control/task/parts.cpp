@@ -15,7 +15,7 @@ void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
 
-// A part's robots and contacts: which they are in the whole scene, and where those of the whole are in the part, or -1.
+// A part's robots and contacts: indices in the whole scene; robot_at, contact_at: the reverse, or -1.
 struct Share {
   std::vector<int> robots, contacts, robot_at, contact_at;
 };
@@ -63,13 +63,13 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   return out;
 }
 
-// All robots' in one residual.
+// Whether one residual contains the coordinates of all robots of the term.
 bool is_of_coordinates(TaskResidual residual) {
   return residual == TaskResidual::kState || residual == TaskResidual::kControl ||
          residual == TaskResidual::kJointEffort || residual == TaskResidual::kJointAcceleration;
 }
 
-// A term of single coordinates of the whole scene, which has a number for each: those of the part's.
+// Returns the part's share of a term that has one number for each coordinate of the whole scene.
 TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share) {
   const std::vector<int> rows = rows_of(term.residual, scene, share.robots);
   term.nr = static_cast<int>(rows.size());
@@ -88,7 +88,7 @@ std::vector<int> of_share(const std::vector<int>& whole, const std::vector<int>&
   return out;
 }
 
-// Each of the copies in `all` that is in the part, by the name that it has in the whole scene.
+// Returns the term of each copy that is in the part, with the name of the copy in the whole scene.
 std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm::*all, const std::vector<int>& at) {
   std::vector<TaskTerm> out;
   const std::vector<int>& copies = term.*all;
@@ -102,7 +102,7 @@ std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm:
   return out;
 }
 
-// None where the term is about others.
+// Returns the part's share of a term; empty if the term is about other robots or contacts.
 std::vector<TaskTerm> terms_of(const TaskTerm& term, const Scene& scene, const Share& share) {
   if (joins_all(term)) return {term};
   if (!term.contacts.empty()) return copies_of(term, &TaskTerm::contacts, share.contact_at);

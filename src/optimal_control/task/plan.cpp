@@ -24,7 +24,7 @@ constexpr double kOutOfPlace = 1e-3;  // m, rad
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// A point of a robot, or of the world: where it is, and how fast.
+// Position and velocity of a point of a robot, or of the world.
 struct Point {
   Vec3<double> p = Vec3<double>::Zero(), v = Vec3<double>::Zero();
 };
@@ -65,7 +65,7 @@ bool is_goal(TaskResidual residual) {
 
 using ByName = std::map<std::string, PlanCost>;
 
-// The file's cost by the names of its copies'.
+// Maps the names of a cost's copies to the cost of the file.
 std::map<std::string, const TaskTerm*> terms_by_item(const TaskFile& task) {
   std::map<std::string, const TaskTerm*> out;
   const auto add = [&](const TaskPhase& phase) {
@@ -133,7 +133,7 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
   return {"closes", contact.name, text + ", at " + show(c.speed) + " m/s", c.node};
 }
 
-// Nearly dependent rows at the first node of each set of active contacts.
+// Adds nearly dependent rows at the first node of each set of active contacts.
 void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& us, std::vector<PlanFinding>& out) {
   const Scene& scene = task.scene.scene;
   const std::vector<TaskNode> nodes = timeline(task);
@@ -191,8 +191,6 @@ std::vector<PlanLimit> limits_passed(const TaskFile& task, const Vectors& xs, co
   return out;
 }
 
-// ---- what each cost is
-
 std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& problem) {
   const ShootingProblem& shooting = *problem.problem;
   const auto terms = terms_by_item(task);
@@ -208,8 +206,6 @@ std::vector<PlanCost> cost_by_term(const TaskFile& task, const TaskProblem& prob
   std::stable_sort(out.begin(), out.end(), [](const PlanCost& a, const PlanCost& b) { return a.cost > b.cost; });
   return out;
 }
-
-// ---- in words
 
 std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution& s,
                                        const std::vector<PlanCost>& costs) {

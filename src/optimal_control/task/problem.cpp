@@ -125,8 +125,8 @@ std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
 
 namespace {
 
-// State, actuation and differential models. For nodes of parts, which have models of their own, only to be looked at:
-// nothing is laid out.
+// Makes state, actuation and differential models. With kSparse no data are created: the models are for inspection only,
+// since nodes of parts have models of their own.
 TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   TaskProblem out;
   out.state = std::make_shared<StateMultibody>(task.scene.scene);
@@ -140,7 +140,7 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   return out;
 }
 
-// The constraints of the phase that ends there, on its last state; null where none looks at the state alone.
+// Returns the constraints, on its last state, of the phase that ends; null if none depends on the state alone.
 std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, const TaskPhase& before,
                                                        const std::shared_ptr<StateMultibody>& state) {
   const task::Parts parts{task, state, nullptr, nullptr};
@@ -150,7 +150,7 @@ std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, con
   return out->get_constraints().empty() ? nullptr : out;
 }
 
-// The impact between a phase and the next one's nodes, with the first one's constraints on the state.
+// Makes the impact between a phase and the next one's nodes, with the first one's constraints on the state.
 std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& before, const TaskPhase& phase,
                                                const std::shared_ptr<StateMultibody>& state) {
   const Scene& scene = task.scene.scene;
@@ -173,7 +173,7 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-// The robots of one part by blocks: all in one unless couplings can join them, and for kAuto unless that costs less.
+// Divides a part's robots into blocks if couplings can join these and, for kAuto, if this costs less; else into one.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
   std::vector<std::vector<int>> blocks;
   if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
@@ -183,7 +183,7 @@ std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver)
   return {internal::range(0, part.scene.scene.nrobots())};
 }
 
-// us: per phase.
+// Makes the shooting problem from the nodes. us: one vector per phase.
 void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::VectorXd>& us, TaskProblem& out) {
   ShootingProblem::Models running;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
@@ -200,7 +200,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and these by blocks, numbered within the part.
+// A part of the scene: its robots, and their blocks, numbered within the part.
 struct Part {
   std::vector<int> robots;
   TaskFile task;
@@ -217,7 +217,7 @@ std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
   return out;
 }
 
-// A node of all the parts; without controls where it is an impact.
+// Makes a node of all the parts; without controls at an impact.
 std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::vector<ActionPart> parts) {
   std::size_t nu = 0;
   for (const ActionPart& part : parts) nu += part.u.size();
@@ -226,8 +226,7 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
-// Selects the matrices that the nodes of a part keep. Panels need one island: one robot, whatever its contacts, with
-// torques. An augmented Lagrangian needs matrices.
+// Selects the storage of a part's nodes: panels for one island (one robot) with torques, Euler, and no constraints.
 MatrixStorage storage_of(const TaskFile& part) {
   const Scene& scene = part.scene.scene;
   const bool panel =
@@ -235,7 +234,7 @@ MatrixStorage storage_of(const TaskFile& part) {
   return panel ? MatrixStorage::kPanel : MatrixStorage::kDense;
 }
 
-// Nodes and guess of every part, put together.
+// Makes nodes and guess of every part, and joins them.
 void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
   const std::size_t phases = task.phases.size();
   std::vector<std::vector<ActionPart>> of_phases(phases), of_impacts(phases);

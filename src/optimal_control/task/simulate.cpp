@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// us - K (x (-) xs) of node t; dx: x (-) xs
+// Returns us - K (x (-) xs) of node t; dx: x (-) xs.
 Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen::VectorXd& dx) {
   Eigen::VectorXd u = solution.us[t];
   for (const TaskGains& part : solution.gains) {
@@ -45,7 +45,7 @@ bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, Simu
   return jump.status != Status::kFailed;
 }
 
-// The scene with the contacts of the simulation.
+// Returns the scene with the contacts' recommended gains for the simulation.
 Scene held(const TaskFile& task, Integrator integrator, double h) {
   Scene scene = task::scene_with(task, task.phases.front().active);
   const Gains gains = recommended_gains(integrator, h);

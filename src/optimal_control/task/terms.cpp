@@ -14,15 +14,15 @@ namespace manycontact::task {
 
 namespace {
 
-// One of the residuals of a term: of one copy, or of all in one.
+// A residual of a term: of one copy, or of all copies in one.
 struct Residual {
-  std::string name;  // the term's, with the copy's number when there are several
+  std::string name;  // the term's name, with the copy's number if there are several
   std::shared_ptr<ResidualModelAbstract> model;
-  int copies = 1;                // the term's numbers (weights, bounds) are repeated so often
+  int copies = 1;                // how often the term's numbers (weights, bounds) are repeated
   Eigen::VectorXd lower, upper;  // bounds of a cone
 };
 
-// The motion that carries the places of a copied term to robot `to`; the identity if the term is not copied.
+// Returns the motion that carries the places of a copied term to robot `to`; the identity if the term is not copied.
 SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
   return term.copied ? file.moved[to] : SE3<double>{};
 }
@@ -37,13 +37,12 @@ Vec6<double> six(const Eigen::VectorXd& given) {
   return given.size() == 6 ? Vec6<double>(given) : Vec6<double>(Vec6<double>::Zero());
 }
 
-// Whether |r| alone counts, so that axes do not.
+// Whether only |r| matters, so that the axes of r do not.
 bool is_isotropic(const TaskTerm& term) {
   return term.activation == TaskActivation::kQuad && term.lower.size() == 0 && term.upper.size() == 0;
 }
 
-// A residual in the world's axes, turned by R with its copy, in the axes that it would have without: weights and bounds
-// are given along these.
+// Expresses a residual in world axes in the axes of its copy, rotated by R: weights and bounds are along these axes.
 std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::shared_ptr<ResidualModelAbstract> model,
                                                    const Mat3<double>& R) {
   const Eigen::Index nr = static_cast<Eigen::Index>(model->get_nr());
@@ -53,17 +52,16 @@ std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::sh
   return std::make_shared<ResidualModelTurned>(std::move(model), X);
 }
 
-// The X of T^-1 on twists [linear; angular].
+// Returns the matrix of T^-1 that acts on twists [linear; angular].
 Eigen::MatrixXd inverse_action(const SE3<double>& T) {
   Eigen::MatrixXd X(6, 6);
   for (int i = 0; i < 6; ++i) X.col(i) = T.act_inverse(Vec6<double>(Vec6<double>::Unit(i)));
   return X;
 }
 
-// ---- of single coordinates: the scene's, or those of the robots
+// ---- single coordinates of the scene, or of the robots
 
-// Returns the reference for the whole scene. Coordinates that the term does not set are zero, or those of x0 for a
-// state.
+// Returns the reference for the whole scene. Coordinates that the term does not set are zero, for a state those of x0.
 Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;
@@ -93,7 +91,7 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
       return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
-    default: {  // wrenches may follow the torques
+    default: {  // u may contain wrenches after the torques
       Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
       of_all.head(reference.size()) = reference;
       return std::make_shared<ResidualModelControl>(p.state, of_all);
@@ -119,7 +117,7 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
   return out;
 }
 
-// ---- of the whole scene or a robot; of a frame; of a contact
+// ---- the whole scene or a robot; a frame; a contact
 
 std::shared_ptr<ResidualModelAbstract> of_robot(const TaskTerm& term, const Parts& p, int robot) {
   const SE3<double> T = robot < 0 ? SE3<double>{} : move(p.task.scene, term, robot);
@@ -182,7 +180,7 @@ Cone cone_of(const TaskTerm& term, const Parts& p, const Contact& contact) {
   return out;
 }
 
-// The force that the term's numbers are, in the contact's reference frame; R turns world axes to the copy's.
+// Returns the force of the term's numbers, in the contact's reference frame; R rotates world axes to the copy's.
 Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, const Mat3<double>& R) {
   Vec6<double> force = Vec6<double>::Zero();
   if (numbers.size() == 0) return force;
@@ -265,8 +263,6 @@ std::vector<Residual> residuals_of(const TaskTerm& term, const Parts& p) {
       return each(term.contacts, [&](int contact) { return of_contact(term, p, contact); });
   }
 }
-
-// ---- activations and bounds
 
 Eigen::VectorXd repeated(const Eigen::VectorXd& x, int copies) { return x.replicate(copies, 1); }
 

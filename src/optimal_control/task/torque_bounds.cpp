@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// One term's numbers, which are repeated for each of its robots.
+// Adds one term's numbers, which are repeated for each of its robots.
 void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
   const Scene& scene = task.scene.scene;
   std::vector<int> rows;
@@ -54,7 +54,7 @@ bool bounds_torques_alone(const TaskFile& task, std::vector<TorqueBounds>& bound
       if (term.residual != TaskResidual::kControl && term.residual != TaskResidual::kJointEffort) return false;
       add_term(task, term, own);
     }
-    if ((own.lower.array() > own.upper.array()).any()) return false;  // nothing is within them
+    if ((own.lower.array() > own.upper.array()).any()) return false;  // no torque satisfies the bounds
     bounds.push_back(std::move(own));
   }
   return true;

@@ -16,7 +16,7 @@ namespace {
 
 using Worst = std::map<std::string, TaskViolation>;
 
-// c - P(c) of rows [first, first + count) of g.
+// Returns the largest distance of rows [first, first + count) of g from the bounds; infinite after a NaN.
 double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                 Eigen::Index first, Eigen::Index count) {
   double out = 0;

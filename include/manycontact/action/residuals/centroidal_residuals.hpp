@@ -1,7 +1,6 @@
 #pragma once
-// Residuals of centre of mass and momentum, of the whole scene or of one robot. Names and constructors are Crocoddyl's,
-// with the robot as an additional argument; nu is nv by default. Constructors throw std::invalid_argument for a robot
-// that does not exist, or robots without mass.
+// Residuals of centre of mass and momentum, of the whole scene or one robot. Names and constructors are Crocoddyl's,
+// plus the robot; nu is nv by default. Constructors throw std::invalid_argument for a missing or massless robot.
 
 #include "manycontact/action/residual.hpp"
 
@@ -39,8 +38,7 @@ class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The momentum [linear; angular about the centre of mass] minus href (6) [N s, N m s], in world axes. Rotors
-/// (armature) do not contribute.
+/// The momentum [linear; angular about the centre of mass] - href (6) [N s, N m s], in world axes, without armature.
 class ResidualModelCentroidalMomentum : public ResidualWithReference<CentroidalResidual, Vec6<double>> {
  public:
   /// robot: its number; -1: the whole scene.

@@ -9,12 +9,10 @@
 
 namespace manycontact {
 
-/// The axes of a cone: those of the contact's reference frame (as in Crocoddyl), of A, of the world, or of B'. For a
-/// point foot that tilts on the ground, use the world's axes.
+/// Axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for point feet that tilt), or B'.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
-/// The common base: r = B f - b, with B and b constant until the reference changes; they rotate in other axes than the
-/// contact's.
+/// The common base: r = B f - b. In the contact's axes B, b change only with the reference; in other axes they rotate.
 class ContactResidual : public FrameResidual {
  public:
   /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.
@@ -27,8 +25,7 @@ class ContactResidual : public FrameResidual {
   void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
   bool is_fwddyn() const { return true; }                         // always true; Crocoddyl's signature
   ConeAxes get_axes() const { return axes_; }                     // the axes of the cone
-  /// The axes of the cone; initially kContact. Throws std::invalid_argument for another value in a residual without
-  /// cone.
+  /// Selects the cone's axes; initially kContact. Other values throw std::invalid_argument in a residual without cone.
   void set_axes(ConeAxes axes);
 
  protected:
@@ -40,7 +37,7 @@ class ContactResidual : public FrameResidual {
                   std::size_t nu, bool fwddyn);
   /// The reason why a contact of this type does not fit; empty if it fits. By default only 6D contacts do.
   virtual std::string misfit(ContactType type) const;
-  virtual bool is_cone() const { return true; }  // whether it has axes of its own
+  virtual bool is_cone() const { return true; }  // whether the residual is that of a cone
   /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   ConeAxes axes_ = ConeAxes::kContact;
@@ -51,7 +48,7 @@ class ContactResidual : public FrameResidual {
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The contact force minus fref (nc), of which the components are used that the contact has.
+/// The contact force minus fref (nc). Only the components of fref that the contact has are used.
 class ResidualModelContactForce : public ResidualWithReference<ContactResidual, Vec6<double>> {
  public:
   /// nc: number of rows of the contact.

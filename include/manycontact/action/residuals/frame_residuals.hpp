@@ -66,8 +66,7 @@ class ResidualModelFrameRotation : public ResidualWithReference<FrameResidual, E
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The frame's spatial velocity [linear; angular] minus vref (6), both in the axes of `type`
-/// (detail/algorithm/frames.hpp).
+/// The frame's spatial velocity [linear; angular] minus vref (6), both in the axes of `type`.
 class ResidualModelFrameVelocity : public ResidualWithReference<FrameResidual, Vec6<double>> {
  public:
   /// Throws std::invalid_argument for a frame that does not exist.

@@ -33,7 +33,7 @@ struct Rows {  // constraint rows of a contact at a motion
   ContactData<double> at;
 };
 
-// The rows at the motion, and J of them in the data.
+// Computes the constraint rows at the motion, and stores J in the data.
 Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstract& data) {
   data.own_contact = contact;
   Rows rows(m.scene, contact, m.motion);
@@ -43,7 +43,7 @@ Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstra
   return rows;
 }
 
-// d(rows' motion)/d[q | v] at a motion with its terms.
+// Computes d(J a + a0)/d[q | v] at the motion; terms: derivatives of RNEA there.
 void differentiate_rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion,
                         const std::vector<RneaDerivatives>& terms, Eigen::MatrixXd& out) {
   const Rows rows(scene, contact, motion);
@@ -55,7 +55,7 @@ void differentiate_rows(const Scene& scene, const Contact& contact, const std::v
   internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
 }
 
-// The workspace of one contact, and views of it.
+// Allocates the data of one contact, and sets their views.
 void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDataAbstract& data) {
   const Eigen::Index nc = contact.rows(), n = static_cast<Eigen::Index>(nv);
   data.own_contact = contact;
@@ -136,7 +136,7 @@ void sum_forces(ContactDataMultiple& data) {
   }
 }
 
-// The data of a stack's parts, and the workspace for nc rows.
+// Creates the data of a stack's parts, and allocates the stack's memory for nc rows.
 template <class Parts, class Data>
 void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, MultibodyData* motion, Data& data) {
   for (const auto& [name, item] : parts) data.contacts[name] = model_of(*item).createData(motion);
@@ -151,7 +151,7 @@ void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, Multi
   data.fext.resize(joints);
 }
 
-// Sets the forces of the active parts, of nc rows, zeros of the others, and their sums by body.
+// Sets the forces of the active parts (nc rows), zeros for the others, and the sums by body.
 template <class Parts, class Data>
 void update_forces(const char* where, const char* what, const Parts& parts, std::size_t nc,
                    const std::shared_ptr<Data>& data, const Eigen::VectorXd& force) {
@@ -170,8 +170,6 @@ Vec6<double> ContactForce::toVector() const {
   internal::unit_wrenches(type, axis, P);
   return P * *this;
 }
-
-// ---- one contact
 
 std::shared_ptr<ContactDataAbstract> ContactModelAbstract::createData(MultibodyData* data) const {
   return create(*this, nu_, data);
@@ -221,7 +219,7 @@ void ContactModelAbstract::setZeroForceDiff(const DataPtr& data) const {
   data->own_df_du.setZero();
 }
 
-// ---- their stack
+// ---- stack of contacts
 
 std::shared_ptr<ContactDataMultiple> ContactModelMultiple::createData(MultibodyData* motion) const {
   auto data = std::make_shared<ContactDataMultiple>();
@@ -284,7 +282,7 @@ void ImpulseModelAbstract::calc(const DataPtr& data, const ConstVectorRef&) cons
   (void)take_rows(m, contact_->get_contact(), *data);
 }
 
-// d(J v)/dq is how the rows of a contact change with q at rest, accelerated by v.
+// d(J v)/dq is the derivative of a contact's J a + a0 at rest, without gravity, with the accelerations a = v.
 void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calcDiff", check_data("ImpulseModel::calcDiff", data));
   std::vector<Kinematics<double>> motion = m.motion;

@@ -21,7 +21,7 @@ const char* class_name(ContactType type) {
   return names[static_cast<int>(type)];
 }
 
-// The first frame on a body, for a contact that has an attachment of its own; one past the last when it has none.
+// Returns the first frame on the body of an attachment, or frames.size() if there is none.
 FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
   const auto& frames = state.get_model()->frames;
   for (std::size_t k = 0; k < frames.size(); ++k)
@@ -76,8 +76,6 @@ void ContactModelAbstract::print(std::ostream& os) const {
   os << ", gains=[" << gains_[0] << ", " << gains_[1] << "]}";
 }
 
-// ---- 1D
-
 ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                                const Eigen::Matrix3d& rotation, std::size_t nu, const Eigen::Vector2d& gains)
     : ContactModelAbstract(std::move(state), ContactType::k1D, id, type, nu, gains) {
@@ -92,15 +90,11 @@ ContactModel1D::ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex
   set_reference(xref);
 }
 
-// ---- 2D
-
 ContactModel2D::ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                                std::size_t nu, const Eigen::Vector2d& gains, ReferenceFrame type)
     : ContactModelAbstract(std::move(state), ContactType::k2D, id, type, nu, gains) {
   set_reference(xref);
 }
-
-// ---- 3D
 
 ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                                ReferenceFrame type, std::size_t nu, const Eigen::Vector2d& gains)
@@ -108,15 +102,11 @@ ContactModel3D::ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex
   set_reference(xref);
 }
 
-// ---- 6D
-
 ContactModel6D::ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                                ReferenceFrame type, std::size_t nu, const Eigen::Vector2d& gains)
     : ContactModelAbstract(std::move(state), ContactType::k6D, id, type, nu, gains) {
   set_reference(pref);
 }
-
-// ---- 5D
 
 ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref,
                                const Eigen::Vector3d& axis, std::size_t nu, const Eigen::Vector2d& gains)
@@ -124,8 +114,6 @@ ContactModel5D::ContactModel5D(std::shared_ptr<StateMultibody> state, FrameIndex
   keep_axis("ContactModel5D", axis);
   set_reference(pref);
 }
-
-// ---- between bodies, and of a scene
 
 ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultibody> state, ContactType contact_type,
                                                      FrameIndex id, FrameIndex to, const SE3<double>& offset,
@@ -156,7 +144,7 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
   id_ = frame_on(*state_, contact.A);
 }
 
-// ---- their stack
+// ---- stack of contacts
 
 static std::ostream& operator<<(std::ostream& os, const ContactItem& item) { return os << *item.contact; }
 
@@ -187,7 +175,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMul
   return out;
 }
 
-// ---- impulses, and their stack
+// ---- impulses, and stack of impulses
 
 ImpulseModelAbstract::ImpulseModelAbstract(const char* name, std::shared_ptr<ContactModelAbstract> contact)
     : name_(name), contact_(std::move(contact)) {

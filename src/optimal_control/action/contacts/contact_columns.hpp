@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Columns of a matrix that A's robot's first velocity coordinate has, and that of B'.
+/// The columns of the first velocity coordinates of A's robot and of the robot of B'.
 struct EndColumns {
   int a = 0, b = 0;
 };
@@ -19,11 +19,11 @@ void each_column(const EndColumns& first, const ContactSupport& support, Use&& u
   for (const int i : support.b) use(first.b + i, k++);
 }
 
-/// da0_dx [by q | by v], each of out.cols() / 2 columns, from the rows and their derivatives at one motion.
+/// Computes out = [da0/dq | da0/dv], of out.cols() / 2 columns each, from the rows and their derivatives at one motion.
 void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
                            const ContactDerivatives& d, Eigen::MatrixXd& out);
 
-/// Returns whether two contacts have rows of the same structure: type, bodies, axis, and the place of A.
+/// Whether two contacts have rows of the same structure: type, bodies, axis, and placement of A.
 inline bool have_same_rows(const Contact& a, const Contact& b) {
   const auto on_same_body = [](const Attachment& one, const Attachment& other) {
     return one.robot == other.robot && one.joint == other.joint;
@@ -32,7 +32,7 @@ inline bool have_same_rows(const Contact& a, const Contact& b) {
          a.A.placement.p == b.A.placement.p && a.A.placement.R == b.A.placement.R;
 }
 
-/// Columns: unit wrenches of a contact's rows, in its reference frame.
+/// Sets the columns of P to the unit wrenches of a contact's rows, in its reference frame.
 template <class Wrenches>
 void unit_wrenches(ContactType type, const Vec3<double>& axis, Wrenches& P) {
   P.setZero(6, contact_rows(type));

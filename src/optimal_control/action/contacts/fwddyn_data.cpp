@@ -10,8 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// The scene that is solved: the state's robots with the armature of `models`, and the contacts in the order of their
-// names.
+// Makes the scene to solve: the state's robots with the armature of `models`, and the contacts in the order of names.
 Scene scene_of(const DifferentialActionModelContactFwdDynamics& model,
                const std::vector<std::shared_ptr<const Model>>& models) {
   Scene scene = model.get_model().scene();
@@ -116,7 +115,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   DataCollector& m = *data.multibody;
   const Actuation how = kind(actuation, m.scene);
   const int nv = m.scene.nv, nu = static_cast<int>(actuation.get_nu());
-  new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));  // the old one may be gone, whatever follows
+  new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));  // the previous memory may be freed below
   require(data.storage != MatrixStorage::kPanel || island_count(m.solution) == 1,
           "DifferentialActionDataContactFwdDynamics",
           "storage kPanel of a scene of " + std::to_string(island_count(m.solution)) + " islands, one is expected");

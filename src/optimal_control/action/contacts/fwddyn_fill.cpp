@@ -1,5 +1,3 @@
-// Fills the action's data from the scene's solution.
-
 #include <algorithm>
 #include <limits>
 
@@ -10,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// First columns of both ends, in data whose columns are those of A's robot, then those of B'.
+// Returns the first columns of both ends: the columns of the data are those of A's robot, then those of B'.
 EndColumns columns_of(const Scene& scene, const Contact& contact) {
   const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
   return {0, two ? scene.robots[contact.A.robot].model->nv : 0};

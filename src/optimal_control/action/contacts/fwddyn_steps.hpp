@@ -1,33 +1,32 @@
 #pragma once
-// Steps of DifferentialActionModelContactFwdDynamics: between its parts and the scene that is solved.
+// Steps of DifferentialActionModelContactFwdDynamics: exchange between its parts and the solved scene.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
 namespace manycontact::internal {
 
-/// The scene's models with other armatures; models whose armature stays are shared as they are.
+/// Returns the scene's models with the given armature (nv). Models that have this armature already are shared.
 std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scene, const Eigen::VectorXd& armature);
 
-/// Writes the contact models' references, gains and status into the scene and the solution. False when something has
-/// changed that may not under data in use (dynamics/data.hpp): new data are needed.
+/// Writes the contact models' references, gains and status into the scene and the solution. Returns false if new
+/// SceneData are needed because the structure of the rows has changed.
 bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution);
-/// False when a contact model has been given another frame, on the same body perhaps.
+/// Whether the data have the frames of the contact models. (Another frame may be on the same body.)
 bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
 
-/// Offsets of the islands' rows and columns; workspace for Fx and Fu.
+/// Sets the rows and columns of the islands, and the patterns of Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
-/// Sizes of the contacts' data.
+/// Sets the sizes of the contacts' data.
 void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 
-/// Jc, a0, f of each contact.
+/// Sets Jc, a0, f of each active contact.
 void fill_contacts(DataCollector& m);
-/// da0_dx of each contact and, with `forces`, views on df_dx, df_du.
+/// Sets da0_dx of each active contact and, with `forces`, the views df_dx, df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
 /// Fills Fx, Fu and their sparse counterparts from the islands' panels.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
-/// How the controls act on the scene.
-enum class Actuation { kActuated, kAll, kCustom };  // u: all but floating bases, all coordinates, any function
+enum class Actuation { kActuated, kAll, kCustom };  // u: actuated coordinates, all coordinates, or a general tau(x, u)
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
   return kind(actuation, scene) != Actuation::kActuated;

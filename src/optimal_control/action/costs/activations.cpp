@@ -58,7 +58,7 @@ ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::Ve
                 ", lb <= ub expected");
     if (!std::isfinite(lb[i]) || !std::isfinite(ub[i])) continue;
     const double middle = lb[i] + (ub[i] - lb[i]) / 2, half = (ub[i] - lb[i]) / 2;
-    if (beta == 1) continue;  // bit for bit what was given
+    if (beta == 1) continue;  // keeps the given bounds bit for bit
     lb[i] = middle - beta * half;
     ub[i] = middle + beta * half;
   }
@@ -109,8 +109,6 @@ void ActivationModelWeightedQuadraticBarrier::set_weights(const Eigen::VectorXd&
   check_size("ActivationModelWeightedQuadraticBarrier::set_weights", "weights", weights.size(), nr_);
   weights_ = weights;
 }
-
-// ---- smooth norms, and activations of |r|: barrier, flat far out
 
 namespace {
 

@@ -57,7 +57,7 @@ void ConstraintModelResidual::print(std::ostream& os) const {
   os << "ConstraintModelResidual {" << *residual_ << ", ng=" << get_ng() << ", nh=" << get_nh() << "}";
 }
 
-// ---- their stack
+// ---- stack of constraints
 
 constexpr const char* kConstraintModelManager = "ConstraintModelManager";
 using Part = ConstraintDataManager::Part;
@@ -99,14 +99,14 @@ void ConstraintModelManager::count() {
 
 namespace {
 
-// Whether a constraint is active in nodes of a kind.
+// Returns the condition that a constraint is active in running, or in terminal, nodes.
 auto holding(bool terminal) {
   return [terminal](const ConstraintItem& item) {
     return item.active && (!terminal || item.constraint->get_T_constraint());
   };
 }
 
-// Splits a residual's blocks by its rows of one kind, which become rows first, first + 1, ... of the stack.
+// Splits a residual's blocks into their rows in `kept`, which become rows first, first + 1, ... of the stack.
 std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<int>& kept, int first, bool sparse,
                         BlockSparse& X, BlockSparse& U) {
   std::vector<int> place(residual.r.size(), -1);
@@ -128,7 +128,7 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
   return parts;
 }
 
-// Copies the results of standalone use to the data that are shared with an action.
+// Copies results of standalone evaluation to the data given to shareMemory.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;

@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// The output of a user's calc, if the user's cost has no residual.
+// The residual of a user-defined cost without residual: the cost's calc may write r.
 class OwnResidual final : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::ResidualModelAbstract;
@@ -32,7 +32,7 @@ std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
   return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
 }
 
-// Gauss-Newton's, of the residual's blocks.
+// Computes Gauss-Newton's derivatives from the residual's blocks.
 CostDerivatives by_residual(const CostDataAbstract& d) {
   const Eigen::MatrixXd Rx = d.residual->whole_Rx(), Ru = d.residual->whole_Ru();
   const auto& Arr = d.activation->Arr;
@@ -134,13 +134,13 @@ void CostModelResidual::differentiate(const DataPtr& data, const ConstVectorRef&
   data->Luu.swap(d.Luu);
 }
 
-// ---- their sum
+// ---- sum of costs
 
 namespace {
 bool is_active(const CostItem& item) { return item.active; }
 std::size_t nr_of(const CostItem& item) { return item.cost->get_residual()->get_nr(); }
 
-// Sets derivatives to zero, in a terminal node those with respect to x alone.
+// Sets derivatives to zero; in a terminal node only those with respect to x.
 template <class Derivatives>
 void set_zero(Derivatives& d, bool terminal) {
   d.Lx.setZero();
@@ -161,7 +161,7 @@ template class NamedParts<StateAbstract, CostItem>;
 CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : NamedParts("CostModelSum", "cost", std::move(state), nu) {}
 
-// Numbers of rows change one by one, since sums may have many costs.
+// Numbers of rows are updated, not counted again: sums may have many costs.
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
   internal::check_part(name_, name, cost, state_, nu_);
@@ -209,7 +209,7 @@ void CostModelSum::differentiate(const DataPtr& data, const ConstVectorRef& x, c
   add_up(*data, !u);
 }
 
-// Sums the derivatives of the costs themselves, which data in standalone use have.
+// Sums the derivatives of each cost, which exist in standalone evaluation.
 void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
   set_zero(data, terminal);
   internal::for_each_part(parts_, data.costs, is_active, [&](const CostItem& item, const auto& d) {

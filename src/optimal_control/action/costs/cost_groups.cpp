@@ -22,15 +22,15 @@ std::vector<CostGroup::Run> runs_of(const std::vector<int>& columns) {
 
 bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1; }
 
-// The current group.
+// Workspace for one group of costs.
 struct Scratch {
-  std::vector<double> L, R;  // row-major: rows [Rx Ru], and of each w Arr Rx, w Arr Ru, w Ar
+  std::vector<double> L, R;  // row-major: L = [Rx Ru], R = [w Arr Rx, w Arr Ru, w Ar]
   std::vector<double> H;     // L^T R; its last column is the gradient
 };
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
-// A user's calcDiff may have resized them.
+// Throws std::invalid_argument if a user's calcDiff has resized the derivatives.
 void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
   const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
   const auto is = [](const Eigen::MatrixXd& M, Eigen::Index rows, Eigen::Index cols) {
@@ -41,7 +41,7 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
           "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
 
-// The lower triangle of a symmetric matrix of which the upper one is known; ld: a multiple of eight.
+// Copies the upper triangle of a symmetric matrix to the lower one; ld: a multiple of eight.
 void mirror(double* H, int n, int ld) {
   using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
   using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;
@@ -66,7 +66,7 @@ void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, 
   for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
 }
 
-// Omits rows with zero weight, such as those of inactive barriers. Returns the number of the others.
+// Gathers the group's rows in L and R, without those of zero weight (inactive barriers). Returns their number.
 int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
   int depth = 0;
   for (const CostGroup::Member& member : g.members) {

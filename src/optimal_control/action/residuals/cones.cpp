@@ -14,12 +14,12 @@ void require_at_least_zero(double given, const char* where, const char* what) {
   require(given >= 0, where, std::string(what) + " is " + std::to_string(given) + ", zero or more expected");
 }
 
-// Facets by half their number of directions; what the cone allows is on their inner side.
+// Returns the facets' coefficient of friction: smaller than mu if the pyramid is inside the cone.
 double facet_mu(double mu, std::size_t nf, bool inner) {
   return inner ? mu * std::cos(std::numbers::pi / static_cast<double>(nf)) : mu;
 }
 
-// Two rows: side/2 f_z +- moment about `axis`; nothing for an infinite side.
+// Sets two rows +-(moment about `axis`) - side/2 f_z, which are <= 0; zeros for an infinite side.
 template <class Rows>
 void pressure_rows(const Eigen::Matrix3d& R, double side, int axis, Rows&& A) {
   A.setZero();
@@ -70,7 +70,7 @@ void FrictionCone::update() {
   const double mu = facet_mu(mu_, nf_, inner_);
   const Eigen::Index n = static_cast<Eigen::Index>(nf_);
   for (Eigen::Index i = 0; i < n / 2; ++i) {
-    // +-t^T f - mu n^T f <= 0, t the i-th tangent
+    // +-t^T f - mu f_n <= 0, with the i-th tangent t and the normal force f_n
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
     const Eigen::Vector3d t = std::cos(angle) * R_.col(0) + std::sin(angle) * R_.col(1);
     A_.row(2 * i) = (t - mu * R_.col(2)).transpose();
@@ -111,7 +111,7 @@ void WrenchCone::update() {
   ub_[n] = get_max_nforce();
   pressure_rows(R, box_[1], 0, A_.middleRows<2>(n + 1));
   pressure_rows(R, box_[0], 1, A_.middleRows<2>(n + 3));
-  // The yaw torque a rectangle can bear (Caron, Pham, Nakamura 2015): lower, then upper.
+  // Yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015): four lower bounds, then four upper ones.
   const double L = box_[0] / 2, W = box_[1] / 2;
   if (!std::isfinite(L + W)) return;
   const double mu = facet_mu(get_mu(), get_nf(), get_inner_appr());

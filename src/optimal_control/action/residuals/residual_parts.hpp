@@ -1,5 +1,4 @@
 #pragma once
-// Helpers of the residuals' sources.
 
 #include "manycontact/action/residual.hpp"
 
@@ -11,7 +10,7 @@ const State& given(const std::shared_ptr<State>& state) {
   return *state;
 }
 
-/// nu, or nv instead of kDefaultNu.
+/// Returns nu, or nv if nu is kDefaultNu.
 inline std::size_t nu_or_default(const std::shared_ptr<StateAbstract>& state, std::size_t nu) {
   const std::size_t nv = given(state).get_nv();
   return nu == kDefaultNu ? nv : nu;
@@ -30,19 +29,19 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
   return frames[id];
 }
 
-/// Casts the data of a residual to those that its createData made.
+/// Casts the data of a residual to the class of its createData.
 template <class Data>
 Data& own(ResidualDataAbstract& data) {
   return static_cast<Data&>(data);
 }
 
-/// Throws std::invalid_argument where there are no robots to look at.
+/// Throws std::invalid_argument unless the collector has robots.
 inline void expect_motion(const char* who, const DataCollector* shared) {
   require(shared && shared->scene.nrobots() > 0, who,
           "the collector has no motion, one of a MultibodyData or of an action model is expected");
 }
 
-/// Throws std::invalid_argument in standalone use, where the dynamics are not solved.
+/// Throws std::invalid_argument in standalone evaluation, where the dynamics are not solved.
 inline void expect_dynamics(const char* who, const DataCollector* shared) {
   expect_motion(who, shared);
   require(!shared->whole, who, "it needs the solved dynamics, and so an action model's data");

@@ -20,7 +20,7 @@ Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last,
   return c / mass;
 }
 
-// d c / dq_i, times the mass: the linear momentum of S_i.
+// Returns m dc/dq_i for the total mass m: the linear momentum of the subtree that moves with S_i.
 Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { return (Yc * S).head<3>(); }
 
 }  // namespace
@@ -99,7 +99,7 @@ void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const
   }
 }
 
-// dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S; about the centre of mass dk - dc x l - c x dl, with all robots' l.
+// With h = [l; k]: dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S. About c: dk - dc x l - c x dl, l of all robots.
 void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                                   const ConstVectorRef&) const {
   auto& d = internal::own<CentroidalData>(data);

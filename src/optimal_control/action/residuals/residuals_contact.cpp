@@ -19,20 +19,20 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::VectorXd b;                                    // set by calc
   // Members that are used if the cone's axes are not the contact's.
   std::vector<int> columns;  // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B' robot
-  Mat3<double> oRX, oRF;     // set by calc: the cone's axes and those of the force
+  Mat3<double> oRX, oRF;     // set by calc: rotations to the world of the cone's axes X and the force's axes F
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
   Eigen::MatrixXd B_turned;                                  // nr x 3
   Mat6X<double> J;                                           // used for one end at a time; its size is enough for both
 };
 
-// A's axes in the world, or those of B'.
+// Returns the axes of A, or of B', in the world.
 Mat3<double> axes_of(const DataCollector& shared, const Attachment& at) {
   if (at.robot < 0) return at.placement.R;
   const SE3<double>& base = shared.scene.robots[at.robot].base;
   return frame_placement<double>(shared.kinematics(at.robot), base, at.joint, at.placement).R;
 }
 
-// Axes that the cone is given in, X, and that the force is in, F.
+// Computes the rotations oRX of the cone's axes and oRF of the force's axes.
 void find_axes(const Contact& contact, ConeAxes axes, ContactResidualData& d) {
   const bool local = contact.reference_frame == ReferenceFrame::kLocal;
   const Mat3<double> oRA = axes_of(*d.shared, contact.A);
@@ -51,7 +51,7 @@ void find_columns(const DataCollector& shared, int robot, const std::vector<int>
   }
 }
 
-// Rx += sign B th_i, th_i the angular motion of an end by its robot's coordinate i, in the world's axes.
+// Adds sign B_turned th_i to Rx; th_i: derivative of the end's rotation by coordinate i of its robot, in world axes.
 void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
   const Robot& robot = d.shared->scene.robots[at.robot];
   auto J = d.J.leftCols(robot.model->nv);
@@ -61,7 +61,7 @@ void add_turning(const Attachment& at, double sign, const int* columns, ContactR
     if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(J.col(i).tail<3>());
 }
 
-// out = B df. Many of B's entries are zero.
+// Computes out = B df. Many entries of B are zero.
 void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out) {
   out.setZero();
   for (Eigen::Index i = 0; i < B.rows(); ++i)

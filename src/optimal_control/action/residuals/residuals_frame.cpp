@@ -22,7 +22,7 @@ struct FrameResidualData : ResidualDataAbstract {
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
-// [linear; angular] shifted to the point p, axes unchanged.
+// Shifts [linear; angular] to the point p, with unchanged axes.
 Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
   Vec6<double> out = m;
   out.head<3>() -= p.cross(m.tail<3>());

@@ -15,8 +15,7 @@ struct GravityData : ResidualDataAbstract {
   std::vector<int> local;                    // set by lay_out: index of each velocity coordinate in its island
   std::vector<int> island;                   // set by lay_out: island of each velocity coordinate
   std::vector<std::vector<int>> q_column;    // set by lay_out, one entry per island: columns of its q in the block
-  std::vector<IslandDerivatives::Panel> dg;  // derivatives of the static torque at constant forces, per island, set by
-                                             // calcDiff
+  std::vector<IslandDerivatives::Panel> dg;  // set by calcDiff: derivative of the static torque, per island
 };
 
 void set_static_part(GravityData& d, bool contacts) {
@@ -30,7 +29,7 @@ void set_static_part(GravityData& d, bool contacts) {
   }
 }
 
-// out += the part of `matrix` (nv rows) in an island's rows and the columns given.
+// Adds the part of `matrix` (nv rows) in an island's rows and the given columns to out.
 void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double>& matrix,
               const std::vector<int>& columns, RowMajorMatrix& out) {
   if (matrix.nonZeros() == 0) return;
@@ -39,7 +38,7 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
       if (d.island[it.row()] == island) out(d.local[it.row()], static_cast<Eigen::Index>(j)) += it.value();
 }
 
-// += J^T df, df the lower rows of the island's panel.
+// Adds J^T df to the block, where df are the lower rows of the island's panel.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
   const Island& island = solved_island(d.shared->solution, i);
@@ -63,7 +62,7 @@ void add_force_part(GravityData& d, std::size_t i) {
 
 }  // namespace
 
-// The residual depends on v through forces or torques, if the actuation does. The blocks contain what exists.
+// The residual depends on v through forces, or through state-dependent torques. Blocks have only the needed columns.
 GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
     : NamedResidual(name, state, internal::given(state).get_nv(), nu,
                     {.q = true, .v = true, .u = true, .forces = contacts}),

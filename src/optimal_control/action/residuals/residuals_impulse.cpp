@@ -7,8 +7,8 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  std::vector<std::vector<Vec6<double>>> v, h;  // velocities and subtree momenta that w = v+ - v causes, joint by joint
-  Eigen::VectorXd w;                            // nv
+  std::vector<std::vector<Vec6<double>>> v, h;  // body velocities and subtree momenta of w, per robot and joint
+  Eigen::VectorXd w;                            // nv: v+ - v
   Eigen::MatrixXd Jcom;                         // 3 x nv
 };
 
@@ -41,8 +41,7 @@ void ResidualModelImpulseCoM::evaluate(ResidualDataAbstract& data, const ConstVe
   d.r.noalias() = d.Jcom.lazyProduct(d.w);
 }
 
-// d(J_com w)/dq_i at constant w, times the mass: the linear part of S x* h + Yc (v_p x S), where v and h are those of
-// w.
+// m d(J_com w)/dq_i at constant w is the linear part of S x* h + Yc (v_p x S), with v and h of the motion w.
 void ResidualModelImpulseCoM::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                           const ConstVectorRef&) const {
   auto& d = internal::own<ImpulseCoMData>(data);

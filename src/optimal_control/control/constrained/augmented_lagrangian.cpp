@@ -25,7 +25,7 @@ constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
 constexpr double kProgress = 0.1;  // the penalty grows unless a minimisation reduces m to this share
-constexpr double kHoped = 0.3;     // expected reduction of m by the next one, and the tolerable share of error in it
+constexpr double kHoped = 0.3;     // expected reduction of m by the next minimisation; tolerable relative error of m
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // iterations if reductions are below the cost's rounding error
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
@@ -33,8 +33,7 @@ constexpr int kFlat = 2;                // consecutive minimisations that bring 
 constexpr double kCloser = 0.5;         // the violation decreased if below this share; ten times the penalty gives 0.1
 constexpr double kOutweighs = 10;       // constraints outweigh the cost if they add at least this multiple of it
 constexpr double kStationary = 1e-3;    // a step gains nothing below this share of what constraints add to the cost
-constexpr int kWindow = 10;             // a minimisation is slow if that many iterations gain no more than the next one
-                                        // is predicted to
+constexpr int kWindow = 10;             // a minimisation is tested for slow convergence after every so many iterations
 constexpr double kSlow = 0.1;           // slow: `stop` is above this share of its value two iterations before,
 constexpr double kStillSlow = 0.3;      // and above this share of its value one iteration before
 constexpr double kNearer = 0.1;         // quasi-Newton steps are retried below this share of `stop` at their failure
@@ -50,7 +49,7 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// The reduction at which a minimisation may stop after one that left m: what is missed moves constraints by 0.09 m.
+// Returns the expected reduction that ends a minimisation after one with m: its error moves constraints by 0.09 m.
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
@@ -82,8 +81,6 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
 }
 
 SolverAugmentedLagrangian::~SolverAugmentedLagrangian() = default;
-
-// ---- the method of multipliers ------------------------------------------------------------------------------------
 
 bool SolverAugmentedLagrangian::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter,
                                       bool is_feasible, double init_reg) {
@@ -145,7 +142,7 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   descend(reported_ + most, init_reg);
 }
 
-// Minimises by the unconstrained solver. Where that is slow its quasi-Newton steps take over, unless they fail there.
+// Minimises with the unconstrained solver. If it is slow, its quasi-Newton steps take over until they fail.
 void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
   for (;; init_reg = NAN) {
     if (curved_) {
@@ -204,8 +201,7 @@ bool SolverAugmentedLagrangian::isSlow() {
   return slow_;
 }
 
-// Whether a window of iterations brought neither the augmented Lagrangian down nor the constraints closer: more of them
-// would not either, another penalty may.
+// Whether kWindow iterations reduced neither the augmented Lagrangian nor the violation: another penalty may help.
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
@@ -222,9 +218,8 @@ void SolverAugmentedLagrangian::measureViolation() {
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers. (Those of
-// a plain adjoint recursion would grow with the robots' unstable motions.) The gradient of the augmented Lagrangian is
-// that of the Lagrangian at y+.
+// Computes violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers
+// (an adjoint recursion's grow with unstable motions). The augmented Lagrangian has the Lagrangian's gradient at y+.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
   inner_->set_preg(inner_->get_reg_min() * scale_);
@@ -274,8 +269,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
 
-// The violation is stationary if constraints dominate the augmented Lagrangian but come no closer, at its minima, or
-// if a step is expected to gain next to nothing of what they add.
+// Whether kFlat consecutive settled minimisations, dominated by the constraints, did not reduce the violation.
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
   const double added = merit_ - cost_;
   const bool settled =
@@ -296,8 +290,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
     curved_ = false;
   } else if (const double least = rho_init_ * std::min(scale_, kkt_scale_);
              small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > least) {
-    // The rounding errors of the constraints, times the penalty, are the errors of the multipliers. Good multipliers
-    // need a smaller penalty.
+    // The constraints' rounding errors, times the penalty, are errors of the multipliers: these need a smaller penalty.
     set_penalty(std::max(rho_ / rho_factor_, least));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,
@@ -307,8 +300,6 @@ void SolverAugmentedLagrangian::updateMultipliers() {
   last_violation_ = violation_;
   best_kkt_ = std::min(best_kkt_, kkt_);
 }
-
-// ---- settings -----------------------------------------------------------------------------------------------------
 
 void SolverAugmentedLagrangian::set_penalty(double penalty) {
   kPenalty.set(rho_, penalty, kSolverAugmentedLagrangian);

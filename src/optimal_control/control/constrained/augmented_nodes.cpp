@@ -45,8 +45,8 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   return {model, model->createData(std::move(datas))};
 }
 
-// Nodes without rows are not changed, unless all nodes are requested; nodes without matrices are never changed. `rows`
-// are the numbers in the problem's node of the rows of this node or part.
+// Nodes without constraint rows are unchanged unless augments_all_ is set; nodes without matrices are never changed.
+// rows: indices of the rows of this node, or subproblem, among those of the problem's node.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());
@@ -64,7 +64,7 @@ AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const 
   return out;
 }
 
-// Whether augmented_ was built from the problem's present nodes.
+// Whether augmented_ was built from the problem's current nodes.
 bool AL::is_decorated() const {
   const std::size_t T = problem_->get_T();
   if (augmented_->get_T() != T) return false;
@@ -82,7 +82,7 @@ bool AL::is_decorated() const {
   return true;
 }
 
-// Multipliers stay where node t has as many constraints as before.
+// Builds augmented_ and nodes_. Node t keeps its multipliers if its number of constraints has not changed.
 void AL::decorate() {
   const std::size_t T = problem_->get_T();
   const Multipliers multipliers = get_multipliers();
@@ -169,7 +169,7 @@ void collect_values_of(const ActionModelAbstract& model, const std::shared_ptr<A
 
 }  // namespace
 
-// Values of nodes whose parts were evaluated on their own.
+// Collects the values of nodes whose subproblems were evaluated separately.
 void AL::collectParts() {
   for (const Node& node : nodes_) collect_values_of(*node.own.model, node.own.data);
 }

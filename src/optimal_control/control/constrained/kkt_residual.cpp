@@ -30,7 +30,7 @@ struct Largest {
   }
 };
 
-// y^T (column i of dc/dx, or of dc/du)
+// Returns y^T times column i of dc/dx, or of dc/du.
 template <class Row>
 double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
   double sum = 0;
@@ -47,7 +47,7 @@ bool is_of_parts(const ShootingProblem& problem) {
   return false;
 }
 
-// c - P(c + y) of each row
+// Adds c - P(c + y / scale) of each row to `worst`.
 void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y, double scale,
                      Largest& worst) {
   check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
@@ -57,7 +57,7 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// u - P(u - slope) of control i where limits are used, else the slope.
+// Adds the slope of control i or, with limits, u - P(u - slope) to `worst`.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())
@@ -90,8 +90,7 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, scale, worst);
-    if (coupled) {  // wrenches are eliminated by the scene's own derivatives, not by the rows that directions are made
-                    // of
+    if (coupled) {  // scene_gradient eliminates wrenches by the scene's derivatives, not by the coupling rows
       scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d),
                      l[std::min(t + 1, T)], t == T, y ? *y : none, by_x, by_u);
       worst.add((by_x - l[t]) / scale);
@@ -148,7 +147,7 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
 
 namespace {
 
-// l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1). Calls use(g_t[i], u_t[i], its limits).
+// Calls use(g_t[i], u_t[i], limits of u_t[i]), where l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1).
 template <class Use>
 void each_slope_of_part(const ShootingProblem& problem, const Vectors& us, bool limits, Use&& use) {
   const std::size_t T = problem.get_T();
@@ -222,8 +221,6 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
   return internal::kkt_residual_of_nodes(problem, xs, us, l, limits, ys, scale, work);
 }
 
-// ---- multipliers of least squares
-
 namespace {
 
 // Whether control i of u is at a limit that is taken into account.
@@ -231,8 +228,8 @@ bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u,
   return limits && model.get_has_control_limits() && (u[i] <= model.get_u_lb()[i] || u[i] >= model.get_u_ub()[i]);
 }
 
-// The problem of the header. The wrenches of couplings are variables whose only cost is Lw. Controls at a limit are
-// left out: their gradient is the multiplier of the limit.
+// Makes the linear-quadratic problem of least_squares_multipliers. The wrenches of couplings are variables whose only
+// cost is Lw. Controls at a limit are left out: their gradient is the multiplier of the limit.
 lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool limits,
                        const std::vector<ActionPart>& blocks) {
   lq::Problem out = internal::structure_of(problem, blocks);

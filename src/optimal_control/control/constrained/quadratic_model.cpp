@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// The quadratic model of one block's node: its controls are u and the wrenches on it.
+// Fills the group of one block from its node; fill_nodes sets C and D of the wrenches.
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
   to.q = from.Lx;
@@ -16,7 +16,7 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
   if (terminal) return;
   to.r = from.Lu;
   from.dynamics(to.A, to.B);
-  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // nodes of other controls have more
+  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // other nodes have more controls
     to.B.conservativeResize(Eigen::NoChange, u);
     to.B.rightCols(u - own).setZero();
     to.r.conservativeResize(u);

@@ -6,14 +6,14 @@
 
 namespace manycontact::internal {
 
-/// Node t where it has couplings, else nullptr.
+/// Returns node t if it has couplings, else nullptr.
 const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);
-/// The subproblems of nodes with couplings, equal in all nodes; other nodes have one, with all coordinates.
+/// Returns the subproblems of nodes with couplings, equal in all nodes; other nodes have one, with all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 
-/// One group per block, with the couplings that touch it: pairs of blocks, of six rows each.
+/// Makes one group per block, with the couplings (pairs of blocks, six rows each) that contain the block.
 lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& couplings);
-/// The problem with zeros of the right sizes.
+/// Makes the problem with zeros of the right sizes.
 lq::Problem structure_of(const ShootingProblem& problem, const std::vector<ActionPart>& blocks);
 
 enum class Terms { kAll, kWithoutHessians };

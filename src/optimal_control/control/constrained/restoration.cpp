@@ -19,46 +19,31 @@ using internal::largest_number;
 
 namespace {
 
-// The cost of a motion from which no solve continues, in units of the current cost.
-constexpr double kAbsurd = 3e8;
-// A violation is considered least if a step reduces its square by at most this share.
-constexpr double kWorthless = 1e-6;
-// The candidate is stationary if |C^T r| <= kLevel |C| |r|.
-constexpr double kLevel = 1e-6;
-// Iterations end if the stopping value is below this share of the squared violation.
-constexpr double kCrawling = 1e-9;
+constexpr double kAbsurd = 3e8;  // cost of a motion from which no solve continues, in units of the current cost
+constexpr double kWorthless = 1e-6;  // a violation is least if a step reduces its square by at most this share
+constexpr double kLevel = 1e-6;  // stationary: |C^T r| <= kLevel |C| |r|, with the violations r and their Jacobian C
+constexpr double kCrawling = 1e-9;  // iterations are slow if `stop` is below this share of the squared violation
 // Distances of the motions that are tried near the candidate, in units of the largest control, or of 1. The nearer ones
 // are for candidates from which a motion without feedback moves too far.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Distances of the motions that are tried far from the candidate, in the same units. A negative number is measured from
-// zero controls.
+// Distances of motions far from the candidate, in the same units; negative ones are measured from zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
-// The least regularisation, in units of the smaller of |C|^2 and 1.
-constexpr double kRegularised = 1e-12;
-// A search converges slowly if kCreepingWindow iterations leave more than this share of the squared violation.
-constexpr double kCreeping = 0.99;
-// The same for iterations that look for a stationary candidate.
-constexpr double kSettled = 1 - 1e-12;
+constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
+constexpr double kCreeping = 0.99;  // a search is slow if kCreepingWindow iterations leave more than this share
+constexpr double kSettled = 1 - 1e-12;  // the same for iterations that look for a stationary candidate
 constexpr std::size_t kCreepingWindow = 8;
-// An earlier candidate is preferred if its violation is at most this multiple of the least one.
-constexpr double kAsNear = 1.01;
-// A solve continues from a candidate that reduces the violation to this share.
-constexpr double kMuchNearer = 0.5;
+constexpr double kAsNear = 1.01;  // an earlier candidate is preferred up to this multiple of the least violation
+constexpr double kMuchNearer = 0.5;  // a solve continues from a candidate that reduces the violation to this share
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
 // The initial regularisation of quasi-Newton steps in units of |C|^2, and the factor that increases it.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
-// The longest first step, in units of the largest control.
-constexpr double kLongest = 10;
-// A search that starts near the candidate came back to it if it leaves at most this share more of the squared
-// violation.
-constexpr double kBack = 1e-3;
+constexpr double kLongest = 10;  // longest first step, in units of the largest control
+constexpr double kBack = 1e-3;  // a search returned to the candidate if its result is worse by at most this share
 constexpr std::size_t kRestorations = 5;
-// Constraints are beyond the limits if these allow at most this share of the squared violation to be avoided.
-constexpr double kBeyond = 0.1;
-// The number of candidates that may turn out not to be minima.
-constexpr int kSaddles = 4;
+constexpr double kBeyond = 0.1;  // limits make constraints infeasible if they allow at most this relative reduction
+constexpr int kSaddles = 4;  // number of candidates that may turn out not to be minima
 
 }  // namespace
 
@@ -75,7 +60,7 @@ class AL::Watch : public CallbackAbstract {
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  /// Starts again. A search ends if it converges slowly; other iterations continue until they are stationary.
+  /// Resets the counts. A search ends if it converges slowly; other iterations continue until they are stationary.
   void begin(bool searches) {
     slow_ = 0;
     last_.clear();
@@ -147,17 +132,16 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   return out;
 }
 
-// Sets the least regularisation for |C| at the candidate: an absolute one hides what controls of small effect can do.
+// Sets the least regularisation for |C| at the candidate: an absolute one would hide the effect of weak controls.
 void AL::regulariseLeast(Restoration& own) {
   evaluate(own);
   const double size = jacobianSize(own);
-  constexpr double kSmallest = std::numeric_limits<double>::epsilon();  // no motion, or no number
+  constexpr double kSmallest = std::numeric_limits<double>::epsilon();  // used if |C| is zero or NaN
   own.solver->set_reg_min(kRegularised * std::min(1.0, std::max(kSmallest, size * size)));
 }
 
-// Minimises the violation from the candidate and replaces the candidate by the result. Near a stretched arm the model
-// of Gauss-Newton predicts the whole reduction, but its steps reduce almost nothing. Quasi-Newton steps include the
-// curvature and converge there.
+// Minimises the violation from the candidate, and makes the result the candidate. Near a stretched arm Gauss-Newton
+// predicts the whole reduction, but its steps reduce almost nothing; quasi-Newton steps include the curvature.
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
@@ -293,9 +277,8 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether the controls, moved as far as their limits allow, would avoid only a small share of the squared violation, to
-// first order around the candidate or around the motion without controls. For linear motions this is a bound of the
-// least violation (the gap of Frank and Wolfe).
+// Whether controls moved as far as their limits allow would avoid only a small share of the squared violation, to first
+// order around the candidate or zero controls. For linear motions this bounds the least violation (Frank-Wolfe gap).
 bool AL::isBeyondLimits(Restoration& own) {
   if (!own.solver->keeps_limits()) return false;
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
@@ -362,7 +345,7 @@ StopReason AL::restore(std::size_t maxiter) {
   const bool beyond = isBeyondLimits(own);
   regulariseLeast(own);
   leastViolation(own);
-  if (is_absurd() && feasible_before && goes_on()) {  // then with steps of moderate size
+  if (is_absurd() && feasible_before && goes_on()) {  // tries again with moderate steps
     take_back(xs_before, us_before, true);
     level(own);
   }
@@ -384,7 +367,7 @@ StopReason AL::restore(std::size_t maxiter) {
   // A smaller violation shows nothing: its square is the rounding error of the squares that it is computed from.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
-  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the candidate's motion is better if it was as near
+  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the earlier motion is preferred if it was as near
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }

@@ -98,8 +98,6 @@ std::array<double, 3> ControlParametrizationModelPolyTwoRK::coefficients(double 
   return {2 * t * t - 3 * t + 1, 4 * (t - t * t), 2 * t * t - t};
 }
 
-// ---- by central differences
-
 namespace {
 
 constexpr const char* kControlNumDiff = "ControlParametrizationModelNumDiff";

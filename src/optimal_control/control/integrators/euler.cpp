@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// use(first coordinate, number of them, J1, J2), floating joints and planar ones, of compile-time size.
+// Calls use(first coordinate, size, J1, J2) for floating and planar joints, with sizes known at compile time.
 template <class Use>
 void each_wide_joint(const IntegratedActionDataEuler& data, Use&& use) {
   for (const IntegratedActionDataEuler::WideJoint& joint : data.wide_joints) {
@@ -92,7 +92,7 @@ void IntegratedActionDataEuler::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& f
   integrate_velocities(fx, fu);
 }
 
-// Computes Fx, Fu from dv'/dx without v's own, and dv'/du, in the lower halves:
+// Computes Fx, Fu from h a_x and h a_u, which their lower halves contain:
 //
 //     Fx = [J1 0; 0 0] + [h J2; 1] (h a_x + [0 I]),    Fu = [h J2; 1] h a_u
 void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
@@ -125,7 +125,7 @@ void IntegratedActionModelEuler::evaluate(IntegratedActionDataEuler& d, const Co
 
 namespace {
 
-// The joints' blocks of J1 or J2, by their action on identities.
+// Computes the joints' blocks of J1 and J2 by transporting identities.
 void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, IntegratedActionDataEuler& d) {
   if (d.wide_joints.empty()) return;
   for (const Jcomponent which : {first, second}) {

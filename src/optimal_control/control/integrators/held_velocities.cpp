@@ -12,7 +12,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSlow = 0x1p-30;  // s
+constexpr double kSlow = 0x1p-30;  // the factor s of held_velocities.hpp
 
 void copy_what_may_change(const Scene& from, Scene& to) {
   to.damping = from.damping;
@@ -84,7 +84,7 @@ void HeldVelocities::take_torques(const DataCollector& of) {
     add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.wrenches, *applied_, torques_.data());
 }
 
-// A row of dtau by each coordinate's torque.
+// The adjoint of each coordinate's torque gives one row of dtau_dx_.
 void HeldVelocities::differentiate_torques(const DataCollector& of) {
   if (!applied_) return;
   take_torques(of);
@@ -115,7 +115,7 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
   }
 }
 
-// Where rows turn, placement errors along them are not corrected (simulation/internal.hpp).
+// Placement errors along rows that rotate are not corrected (simulation/internal.hpp).
 void HeldVelocities::leave_out_alpha_of_turning_rows() {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     Contact& contact = scene.contacts[c];
@@ -176,7 +176,7 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// G = [dtau/dx dtau/dw] - [b_q b_v 0], where b = ID(q, v, -w x v), and with joints that resist:
+// G = [dtau/dx dtau/dw] - [b_q b_v 0] - (drag of joints), where b = ID(q, v, -w x v):
 //     F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;

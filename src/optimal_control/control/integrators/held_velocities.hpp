@@ -15,24 +15,24 @@ struct HeldVelocities {
   HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
 
-  /// Whether they serve for these dynamics, as they are now, in steps of h.
+  /// Whether this workspace fits the dynamics as they are now, and steps of h.
   bool serve(const DataCollector& of, double h);
 
-  /// a = (x - v) / h of the velocity x in simulation/free_joints.hpp, and the step's end. After the differential
-  /// model's calc at the state, which left its torques in `of`.
+  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step ends the step.
+  /// The differential model's calc at the state comes first: its torques in `of` are used.
   void solve_at(const ConstVectorRef& state, double h, const DataCollector& of);
   void finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext);
 
-  /// a_x, a_w (nv x ndx, nv x nw) into F; after the differential model's calcDiff.
+  /// Computes a_x, a_w (nv x ndx, nv x nw) in F, after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// F: ndx x (ndx + nw), in: derivatives of [q + h x; x], on the tangent space at q; out: of the state after it.
+  /// Changes F (ndx x (ndx + nw)) from derivatives of [q + h x; x], in q's tangent space, to those of the next state.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
   Scene scene;             // scene of `of` without gravity; joints add to M, contacts have beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // the state; s v
-  Eigen::VectorXd tau;         // torques on all coordinates, less ID(q, v, -w x v)
+  Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
   std::vector<ContactData<double>> contacts;  // contacts of `scene`
   FreeGroups groups;
@@ -52,8 +52,7 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // Adds the torques of external wrenches and springs to those of the motors at q, v; differentiate_torques adds their
-  // derivatives in dtau_dx_.
+  // Add external wrenches and springs to the motors' torques at q, v, and their derivatives to dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {
@@ -63,7 +62,7 @@ struct HeldVelocities {
   Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
   Eigen::VectorXd torques_, torques_of_motion_;     // nv: motors, external wrenches and springs; less the bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: derivatives of torques_; every entry is stored
-  std::unique_ptr<AppliedForces<double>> applied_;  // nullptr: there are none
+  std::unique_ptr<AppliedForces<double>> applied_;  // nullptr without applied forces
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kIntegratedActionModel = "IntegratedActionModel";
 
-// Each argument of a constructor may be evaluated first.
+// Every argument checks the model, since the order of their evaluation is unspecified.
 const DifferentialActionModelAbstract& checked(const std::shared_ptr<DifferentialActionModelAbstract>& model) {
   return *internal::given(kIntegratedActionModel, model, "a differential action model");
 }

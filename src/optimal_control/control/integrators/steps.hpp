@@ -1,16 +1,15 @@
 #pragma once
-// Common parts of the integrators: results of the differential model's data that they pass on.
 
 #include "manycontact/control/integrated_action.hpp"
 
 namespace manycontact::internal {
 
-/// Throws std::invalid_argument when the differential model leaves its dense matrices out.
+/// Throws std::invalid_argument unless the differential model stores dense matrices.
 inline void check_dense(const char* where, const DifferentialActionDataAbstract& from) {
   require(has_dense(from.storage), where, "the differential model's storage is not dense, kDense or kBoth is expected");
 }
 
-/// g, h and, if asked for, r.
+/// Copies g, h and, with_residual, r.
 inline void copy_values(const DifferentialActionDataAbstract& from, bool with_residual, ActionDataAbstract& to) {
   to.g = from.g;
   to.h = from.h;
@@ -28,7 +27,7 @@ inline void copy_constraint_derivatives(const ControlParametrizationModelAbstrac
   if (to.Hu.size()) control.multiplyByJacobian(w, from.Hu, to.Hu);
 }
 
-/// h times the cost's derivatives, by x and u. Lwu: nw x nu, workspace.
+/// Computes h times the cost's derivatives with respect to x and u. Lwu: nw x nu, workspace.
 inline void integrate_cost_derivatives(double h, const ControlParametrizationModelAbstract& control,
                                        const std::shared_ptr<ControlParametrizationDataAbstract>& w,
                                        const DifferentialActionDataAbstract& from, Eigen::MatrixXd& Lwu,

@@ -1,5 +1,5 @@
 #pragma once
-// The numbers of parts of a node among the node's.
+// Copies between the coordinates of a node and those of its subproblems.
 
 #include <string>
 
@@ -7,19 +7,19 @@
 
 namespace manycontact::internal {
 
-/// part = whole(index), of parts of the right size. (Eigen's indexed views copy the index.)
+/// Sets part = whole(index), where part has the right size. (Eigen's indexed views would copy the index.)
 template <class Whole, class Part>
 void take(const Whole& whole, const std::vector<int>& index, Part&& part) {
   for (std::size_t i = 0; i < index.size(); ++i) part[i] = whole[index[i]];
 }
 
-/// whole(index) = part
+/// Sets whole(index) = part.
 template <class Part, class Whole>
 void put(const Part& part, const std::vector<int>& index, Whole&& whole) {
   for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[i];
 }
 
-/// whole(rows, cols) = part
+/// Sets whole(rows, cols) = part.
 inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const std::vector<int>& cols,
                 Eigen::MatrixXd& whole) {
   for (std::size_t j = 0; j < cols.size(); ++j)
@@ -27,7 +27,7 @@ inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const
       whole(rows[i], cols[j]) = part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-/// The sum of a size over the parts' models.
+/// Returns the sum of a size over the subproblems' models.
 template <class Part, class Size>
 std::size_t total(const char* where, const std::vector<Part>& parts, Size size) {
   std::size_t sum = 0;
@@ -38,7 +38,7 @@ std::size_t total(const char* where, const std::vector<Part>& parts, Size size) 
   return sum;
 }
 
-/// Vectors one after the other.
+/// Stacks the `count` vectors get(i).
 template <class Get>
 void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   Eigen::Index size = 0;
@@ -52,7 +52,7 @@ void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   }
 }
 
-/// One of the models' bounds of g, one after the other.
+/// Stacks one of the bounds of g of all models.
 template <class Part>
 void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (ActionModelAbstract::*bound)() const,
                   Eigen::VectorXd& out) {
@@ -60,7 +60,7 @@ void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (Action
   stack(parts.size(), of_part, out);
 }
 
-/// Cost, xnext, g and h of a node from its parts' data.
+/// Collects cost, xnext, g and h of a node from its subproblems' data.
 template <class Part>
 void collect_values(const std::vector<Part>& parts, const std::vector<std::shared_ptr<ActionDataAbstract>>& datas,
                     ActionDataAbstract& to) {
@@ -75,7 +75,7 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
   stack(datas.size(), h, to.h);
 }
 
-/// The rows of a node's [g; h] that belong to each subproblem. terminal: the node is evaluated by its state alone.
+/// Returns the rows of a node's [g; h] of each subproblem. terminal: the node is evaluated by its state alone.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
   std::vector<std::vector<int>> out(parts.size());
@@ -89,7 +89,7 @@ std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bo
   return out;
 }
 
-/// Throws unless each of 0 ... size - 1 is in one of the parts' lists.
+/// Throws std::invalid_argument unless each of 0 ... size - 1 is in exactly one of the subproblems' lists.
 template <class Part>
 void check_cover(const char* where, const char* what, std::size_t size, const std::vector<Part>& parts,
                  std::vector<int> ActionPart::*list) {

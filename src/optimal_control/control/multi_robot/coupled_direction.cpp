@@ -93,7 +93,7 @@ void CoupledDirection::step_control(std::size_t t, double steplength) {
   add_gains_times(t, from_model_, us_try_[t]);
 }
 
-// Calls use(cluster, K of its controls).
+// Calls use(cluster, K of its controls) for each cluster at node t.
 template <class Use>
 void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
   const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
@@ -134,7 +134,7 @@ void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& 
   });
 }
 
-// The linear-quadratic problem whose gradient by nu is g, and by x none: its solution is nu = du - K dx = -H^-1 g.
+// Solves the problem whose gradient with respect to nu is g, and with respect to x zero: nu = du - K dx = -H^-1 g.
 void CoupledDirection::precondition_feed_forward(Vectors& g) {
   const std::size_t T = g.size();
   lq_.x0.setZero();
@@ -187,7 +187,7 @@ std::vector<Direction::Gains> CoupledDirection::gains(std::size_t t) const {
     const Eigen::MatrixXd& K = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K;
     if (K.rows() < clusters[c].nu) return {};
     out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
-    for (const int b : clusters[c].blocks) {  // x_start and u_start: one after the other
+    for (const int b : clusters[c].blocks) {  // same order as x_start and u_start
       for (const int i : blocks_[b].dx) out.back().dx.push_back(part_.dx[i]);
       for (const int i : blocks_[b].u) out.back().u.push_back(part_.u[t][i]);
     }

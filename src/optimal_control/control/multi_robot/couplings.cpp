@@ -1,5 +1,3 @@
-// Coupled subproblems: structure and values.
-
 #include "manycontact/detail/control/couplings.hpp"
 
 #include <algorithm>
@@ -137,7 +135,7 @@ VectorXd Couplings::force(std::size_t coupling, const CouplingData& data) const 
   return data.solution.f.segment(data.solution.f_offset[c], scene_.contacts[c].rows());
 }
 
-// Dynamics of the whole scene, and from it the couplings' wrenches.
+// Solves the dynamics of the whole scene, and computes the couplings' wrenches from its forces.
 void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef& x, const ConstVectorRef& u,
                       ActionDataParts& d) const {
   CouplingData& own = *d.couplings;

@@ -1,5 +1,3 @@
-// Coupled subproblems: derivatives.
-
 #include <Eigen/LU>
 #include <cassert>
 
@@ -17,8 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// The equations of the couplings, for both ends: rows = [C D_u] in the node's dx and u, and by_w, the coefficients of
-// the wrenches.
+// The couplings' equations rows [dx; du] + by_w w = 0, with the node's dx, du and all wrenches w.
 struct CouplingSystem {
   MatrixXd rows, by_w;
 };
@@ -44,7 +41,7 @@ CouplingSystem system_of(const Couplings& couplings, const std::vector<ActionPar
   return out;
 }
 
-// An orthonormal basis of the complement of W's rows: directions in which a point is free, and its torques.
+// Returns an orthonormal basis of the complement of W's rows: directions in which a point is free, and free torques.
 Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
     const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
   const Index m = W.rows();
@@ -68,9 +65,8 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-// The rotation of the frame of r2, the term delta f, and the rows of force components that are not transmitted. F is
-// the force in A's moving axes. With the rotation th of a world-aligned frame, d(W F) = W (X^T w - s x* F + th x F), s
-// = J_A dq_A.
+// Adds the rotation of the frame of r2, the term delta f, and rows of force components that are not transmitted. F:
+// force in A's axes. With the rotation th of a world-aligned frame, s = J_A dq_A: d(W F) = W (X^T w - s x* F + th x F).
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -94,7 +90,7 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
-// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a part. `rows` are the numbers of its rows in the node's y.
+// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: its rows in the node's y.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -106,8 +102,7 @@ struct PartGradient {
   }
 };
 
-// Lx + A^T next and Lu + B^T next of all parts at constant wrenches, and in by_w the gradient with respect to the
-// wrenches.
+// Computes Lx + A^T next, Lu + B^T next of all subproblems at constant wrenches, and the gradient by_w of the wrenches.
 void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
                        VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
@@ -137,7 +132,7 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// The share in coupling b's rows of A's part or of B's.
+// Sets the share of A's subproblem, or of B's, in the rows of coupling b.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
   const Contact& contact = scene_.contacts[couplings_[b].contact];
@@ -189,7 +184,7 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
   }
 }
 
-// The node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
+// Computes the node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] = [H_i T]
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();

@@ -17,7 +17,7 @@ using internal::total;
 
 namespace {
 
-// The parts' matrices on the rows one after the other, each on its own columns.
+// Stacks the subproblems' matrices by rows, each in its own columns.
 template <class Get>
 void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
   Index row = 0;
@@ -136,7 +136,7 @@ bool ActionModelParts::checkData(const DataPtr& data) {
   return true;
 }
 
-// Copies each part's share of x. The wrenches after its controls are set by solve.
+// Copies each subproblem's share of x and u. Couplings::solve sets the wrenches after its controls.
 void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     take(x, parts_[i].x, d.x[i]);
@@ -212,8 +212,6 @@ void ActionModelParts::print(std::ostream& os) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) os << (i ? ", " : "") << *parts_[i].model;
   os << "}";
 }
-
-// ---- the subproblems of a shooting problem
 
 namespace {
 

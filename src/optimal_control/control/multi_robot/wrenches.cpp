@@ -17,14 +17,14 @@ const Robot& robot_of_end(const StateMultibody& state, const WrenchEnd& end) {
   return state.get_model()->scene().robots[end.robot];
 }
 
-// Transforms the wrench w to the tree frame's origin, from which p has the position r: (force, torque + r x force).
+// Transforms the wrench w at p to the tree frame's origin: (force, torque + r x force), where r is the position of p.
 Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   Vec6<double> out = w;
   out.tail<3>() += r.cross(Vec3<double>(w.head<3>()));
   return out;
 }
 
-// Joint of each coordinate's first one: coordinates j of a chain move S_k where j is not below k's joint.
+// Whether coordinate j of a chain moves S_k, which it does unless j is below k's joint.
 bool moves_subspace(const Model& model, int j, int k) {
   if (j <= k) return true;  // the chain ascends: an ancestor, or the same joint
   for (const Joint& joint : model.joints)

@@ -50,8 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Places of (i, j) and (j, i) in the values of dtau_du, for each packed entry (i, its ancestor j); dtau_dx begins
-  // with the same pattern.
+  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, its ancestor j).
   std::vector<int> lower, upper;
 };
 
@@ -71,7 +70,7 @@ void each_entry(const Model& model, Use&& use) {
   }
 }
 
-// Sets the motion that ID is evaluated at: at rest, without gravity, with accelerations u.
+// Sets the motion at which ID, the inverse dynamics, is evaluated: at rest, without gravity, with accelerations u.
 void move(const Robot& robot, const ConstVectorRef& x, const ConstVectorRef& u, RobotWork& w) {
   const Model& model = *robot.model;
   forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), w.kin);
@@ -254,7 +253,7 @@ bool Model_::checkData(const DataPtr& data) {
   return d && dynamics_->checkData(d->dynamics);
 }
 
-// Lays out the residuals' blocks when impulses were switched, or something was given another frame.
+// Lays out the residuals' blocks again after impulses were switched, or a frame has changed.
 void Model_::lay_out(Data& d) const {
   bool fits = d.laid_out.size() == impulses_->get_impulses().size();
   std::size_t k = 0;
@@ -322,7 +321,7 @@ void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef*
   dvnext.leftCols(nv) = d.dynamics->Fx.leftCols(nv);
   dvnext.rightCols(nv) = d.dynamics->Fu;
   dvnext.rightCols(nv).diagonal().array() -= r_coeff_;
-  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // df_dx are views of it
+  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // df_dx are views of panel
   for (auto& [name, contact] : m.contacts->contacts)
     if (contact->active) new (&contact->df_du) PanelView(nullptr, contact->Jc.rows(), 0, Eigen::OuterStride<>(0));
   d.Fx.topLeftCorner(nv, nv).setIdentity();

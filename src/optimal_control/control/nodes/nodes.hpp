@@ -1,5 +1,4 @@
 #pragma once
-// Loops over nodes, which do not depend on each other.
 
 #include <chrono>
 #include <exception>
@@ -10,8 +9,8 @@
 
 namespace manycontact::internal {
 
-/// work(t, thread) for t = 0 ... count - 1, over at most `threads` threads: thread 0 is the caller's. An exception of
-/// the first node that throws is thrown again.
+/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads; thread 0 is the caller's. Throws again
+/// the exception of the first node t that throws.
 template <class Work>
 void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {
@@ -36,14 +35,13 @@ void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// Does the same for a callable work(t).
+/// Calls work(t) in the same way.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, Work&& work) {
   each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });
 }
 
-/// The same by one thread alone, if the work of all nodes took so little time in the last call that other threads do
-/// not pay off. The results do not depend on it.
+/// Uses one thread if the last call took too little time for others to pay off; results do not depend on this.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
   constexpr double kWorthAThread = 5e-5;  // s of work for each thread: more than it takes to wake one

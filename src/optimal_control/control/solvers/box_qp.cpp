@@ -23,7 +23,7 @@ void BoxQP::set_nx(std::size_t nx) {
   solution_.clamped_idx.reserve(nx);
 }
 
-// A component is clamped if it is at a bound that the descent direction would leave.
+// A component is clamped if it is at a bound that the descent direction would exceed.
 void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub) {
   solution_.free_idx.clear();
   solution_.clamped_idx.clear();
@@ -58,9 +58,8 @@ bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, doub
   return true;
 }
 
-// The longest step, clamped to the box, that is accepted; false when none is. As in Crocoddyl, g is the negative
-// gradient on the free components, so that a step may even raise the objective by th_acceptstep of what it was expected
-// to lower it.
+// Takes the longest step that is accepted, clamped to the box; returns false if there is none. As in Crocoddyl, g is
+// the negative gradient on free components: a step may raise the objective by th_acceptstep of its expected reduction.
 bool BoxQP::search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                    const Eigen::VectorXd& ub) {
   const double old = 0.5 * x_.dot(Hx_) + q.dot(x_);

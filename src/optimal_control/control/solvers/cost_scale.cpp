@@ -14,7 +14,7 @@ namespace {
 constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls; largest Hessian
 constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // sizes that they are scaled to
 
-// The largest numbers of the diagonals.
+// The largest absolute values of the Hessians' diagonals.
 struct Sizes {
   double all = 0, controls = 0;
 };

@@ -29,7 +29,7 @@ SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)
   SolverDDP::allocateData();
 }
 
-// The multipliers of limits are not part of the expected improvement, which stays larger than without them.
+// The threshold is larger with limits: the expected improvement does not include the limits' multipliers.
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices)
     : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()), limits_(limits == Limits::kKept) {
   if (limits_) th_stop_ = 5e-5;
@@ -60,7 +60,7 @@ const RiccatiDirection* SolverDDP::recursion() const {
 
 namespace {
 
-// The values that one recursion keeps for its nodes, or nothing.
+// Returns the values that a single recursion stores for its nodes, or an empty list.
 template <class Kept>
 const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
   static const Kept none;
@@ -148,8 +148,7 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
-    // Crocoddyl's rule may stop near the optimum instead of at it. This is decided by th_kkt, or by the gap if no
-    // th_kkt was set.
+    // Crocoddyl's rule may stop near the optimum instead of at it: th_kkt decides, or the gap if th_kkt is not set.
     const bool by_kkt = std::isfinite(th_kkt_);
     const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !by_kkt;
     if (!(doubted && !isOptimalWithinLimits()) && !(reason_ == StopReason::kNoStep && is_feasible_)) break;
@@ -184,7 +183,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
       if (std::isfinite(th_kkt_)) {
         const StopReason polished = polish(maxiter);
-        // Polishing by the box rule may go round between limits for ever.
+        // Polishing with the box rule may cycle between limits.
         return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
       }
       if (keeps_limits() || stopsUnregularised()) return StopReason::kConverged;
@@ -199,7 +198,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
 // Increases the regularisation until there is a direction.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
-    sound_ = true;  // but where a backward pass finds otherwise; a class's own computeDirection may have none
+    sound_ = true;  // unless backwardPass finds otherwise; an overridden computeDirection may not call it
     computeDirection(again);
   };
   for (compute(recalc); !sound_; compute(false)) {
@@ -209,7 +208,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Decreases the regularisation after long steps, increases it after short ones; false at the largest.
+// Decreases the regularisation after long steps, increases it after short ones; returns false at the largest one.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
@@ -217,7 +216,7 @@ bool SolverDDP::adaptRegularization() {
   return preg_ != reg_max_ * scale_;
 }
 
-// The first of the step lengths that is accepted becomes the candidate; false when none is.
+// Makes the first accepted step the candidate; returns false if no step is accepted.
 bool SolverDDP::searchLine() {
   prepareImprovement();
   stepped_ = false;
@@ -294,9 +293,9 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
     own.cost_try_ = own.roll_out(steplength, keep_gaps, keep_terminal_gap);
   });
   cost_try_ = 0;
-  for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN where one is
+  for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN if any is NaN
   if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
-  each_direction([this](Direction& own) {  // no two write the same number
+  each_direction([this](Direction& own) {  // directions write different entries
     for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
     own.give_u(own.us_try_, us_try_);
   });
@@ -326,7 +325,7 @@ void SolverDDP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
-// Work on each part's share of the vectors, which is put back.
+// Calls work(direction, its share of `whole`) for each direction, and stores the shares back.
 template <class Work>
 void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
   whole.resize(us_.size());

@@ -13,10 +13,9 @@ namespace {
 
 constexpr double kArmijo = 1e-4;             // share of the reduction that the slope predicts
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
-constexpr double kLeast = 0.1, kMost = 0.5;  // the next step length after one that was too long, as a share of it
+constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, as shares of one that was too long
 constexpr int kTrials = 12;
-constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps shorter than the first, or one shorter than the
-                                                    // second, end the iterations
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps below the first, or one below the second, end descend
 
 }  // namespace
 
@@ -77,7 +76,7 @@ void SolverDDP::computeFeedForwardDirection() {
     preconditionFeedForward(nu_);
     bfgs_.finish(nu_);
     finish();
-    if (slope_ >= 0) {  // clamped to the limits, it does not descend
+    if (slope_ >= 0) {  // the clamped direction does not descend
       bfgs_.forget();
       nu_ = g_;
       preconditionFeedForward(nu_);

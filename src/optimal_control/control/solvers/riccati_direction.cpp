@@ -110,7 +110,7 @@ void RiccatiDirection::add_gap(std::size_t t) {
   Vx_[t] += Vxx_fs_[t];
 }
 
-// [fu fx], of nodes with steps the lower half: these, or nullptr. Nodes within an augmented Lagrangian have matrices.
+// Sets [fu fx]; for symplectic Euler only the lower half, and returns the upper one's structure, otherwise nullptr.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -235,7 +235,7 @@ double RiccatiDirection::gap_improvement() {
   return dv;
 }
 
-// Newton's: half of Qu^T k
+// The reduction by a Newton step: half of Qu^T k.
 double RiccatiDirection::expected_reduction() const {
   double out = 0;
   for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
@@ -264,8 +264,6 @@ void RiccatiDirection::precondition_feed_forward(Vectors& g) {
 
 std::vector<Direction::Gains> RiccatiDirection::gains(std::size_t t) const { return {{part_.dx, part_.u[t], K_[t]}}; }
 
-// ---- within the limits of controls
-
 void BoxDirection::resize() {
   RiccatiDirection::resize();
   const std::size_t T = part_.problem->get_T();
@@ -278,8 +276,7 @@ void BoxDirection::resize() {
   }
 }
 
-// k is the solution of the box QP, and K = Quu^-1 Qxu^T for the free controls, zero for those at a limit. Qu at limits
-// is set to zero: the multiplier of the limit balances it.
+// k solves the box QP, K = Quu^-1 Qxu^T for free controls. At limits K = 0, and Qu = 0, balanced by the multiplier.
 bool BoxDirection::compute_gains(std::size_t t) {
   const ActionModelAbstract& model = *part_.problem->model(t);
   if (model.get_nu() == 0) return true;
@@ -297,7 +294,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Uses controls that are not at a limit: those that the box QP moved to a limit would not move at all.
+// Uses the whole Quu, since the box QP's inverse would not move clamped controls; then omits controls at limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

@@ -1,5 +1,4 @@
 #pragma once
-// Step lengths of line searches.
 
 #include <cmath>
 #include <vector>
@@ -8,14 +7,14 @@
 
 namespace manycontact::internal {
 
-/// 1, 1/2, ... 1/512, as in Crocoddyl.
+/// Returns 1, 1/2, ... 1/512, as in Crocoddyl.
 inline std::vector<double> default_alphas() {
   std::vector<double> alphas;
   for (int n = 0; n < 10; ++n) alphas.push_back(std::ldexp(1, -n));
   return alphas;
 }
 
-/// Throws std::invalid_argument unless step lengths are positive and falling.
+/// Throws std::invalid_argument unless step lengths are positive and decreasing.
 inline void check_alphas(const char* where, const std::vector<double>& alphas) {
   require(!alphas.empty(), where, "there is no step length, one at least is expected");
   for (std::size_t i = 0; i < alphas.size(); ++i)

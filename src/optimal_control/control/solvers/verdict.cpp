@@ -12,7 +12,7 @@ using Vectors = std::vector<Eigen::VectorXd>;
 
 namespace {
 
-// The KKT residual with least-squares multipliers; the nodes must be differentiated at that motion.
+// Returns the KKT residual with least-squares multipliers. The nodes must be differentiated at that motion.
 double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, bool limits,
                        double scale) {
   Eigen::VectorXd work;
@@ -20,11 +20,10 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
       problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
 }
 
-// The accepted excess of cost over the optimum for a candidate within limits: th_stop of solvers without limits, or
-// rounding errors.
+// The accepted excess of cost over the optimum within limits: th_stop of solvers without limits, or rounding errors.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
-// A setting that has its value again at the end of a scope.
+// Restores a number at the end of the scope.
 struct Restore {
   double &number, value;
   ~Restore() { number = value; }
@@ -32,22 +31,20 @@ struct Restore {
 
 }  // namespace
 
-// The predicted reduction may be below the rounding errors of the cost before the stopping rule is met. The KKT
-// residual is not affected.
+// Before the stopping rule is met, predicted reductions may be below the cost's rounding errors; KKT residuals are not.
 StopReason SolverDDP::judgeWithoutStep() {
-  problem_->calc(xs_, us_);  // the data are of the last try
+  problem_->calc(xs_, us_);  // the data are those of the last trial step
   calcDiff();
   kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Whether the direction of the least regularisation promises next to nothing, too: a large one makes every direction
-// short. The regularisation is not changed.
+// Whether the expected reduction at the least regularisation is small too: large ones make every step short.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
   preg_ = dreg_ = reg_min_ * scale_;
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
   const bool stops =
       findDirection(true) &&
       expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
@@ -71,14 +68,14 @@ bool SolverDDP::isOptimalWithinLimits() {
   return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
 }
 
-// Crocoddyl's box rule leaves what clamped controls have yet to move out of the expected improvement and of the value
-// function, so that directions may be no descent. The gradient of `descend` is exact.
+// Crocoddyl's box rule omits the remaining motion of clamped controls from the expected improvement and the value
+// function, so that directions may not descend. The gradient of `descend` is exact.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   const Restore restore{th_stop_, th_stop_};
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are of the last try
+  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  constexpr int kRounds = 20, kIdle = 3;  // each of one backward pass; of them in a row that gain nothing
+  constexpr int kRounds = 20, kIdle = 3;  // rounds of one backward pass each; rounds in a row without gain
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
@@ -101,8 +98,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   return StopReason::kNoStep;
 }
 
-// Continues from a candidate that meets the stopping rule. Steps are accepted untested if their expected gain is below
-// the cost's rounding error.
+// Continues from a candidate that meets the stopping rule; accepts steps whose gain is below the cost's rounding error.
 StopReason SolverDDP::polish(std::size_t maxiter) {
   const Restore restore{th_grad_, th_grad_};
   th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
@@ -131,9 +127,8 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Directions from a candidate with gaps ignore the limits. All their steps may be useless, and they leave controls at
-// one limit or the other. The motion that the guess's controls cause has no gaps, and directions from it include the
-// limits.
+// Directions from a candidate with gaps ignore the limits. Their steps may all be useless, and leave controls at
+// limits. The motion of the guess's controls has no gaps, and directions from it include the limits.
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];

@@ -1,5 +1,4 @@
-// The charts of `manycontact optimize`: convergence, torques against limits, contact forces against cones. Python draws
-// them from the numbers that are written here.
+// The charts of `manycontact optimize`: convergence, torques and limits, forces and cones. Python draws them from JSON.
 
 #include <cmath>
 #include <filesystem>
@@ -13,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// The nodes with torques: impacts are left out.
+// Returns the nodes that are not impacts, and have torques.
 std::vector<std::size_t> nodes_with_torques(const OptimizedTask& motion) {
   std::vector<std::size_t> with;
   for (std::size_t t = 0; t + 1 < motion.nodes.size() && t < motion.solution.us.size(); ++t)
@@ -40,8 +39,7 @@ Json torques(const OptimizedTask& motion) {
   return out;
 }
 
-// Writes the contacts' normal and tangential forces, which only those with three rows or more have, and the smallest
-// friction coefficient of their cones.
+// Writes normal and tangential forces of contacts with three or more rows, and the smallest friction of their cones.
 void add_forces(const OptimizedTask& motion, Json& out) {
   const Scene& scene = motion.task.scene.scene;
   std::vector<std::vector<double>> normal(scene.contacts.size()), tangential(scene.contacts.size());

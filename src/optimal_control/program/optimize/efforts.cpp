@@ -1,5 +1,3 @@
-// Largest torques against limits, contact forces against cones.
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, and where.
+// The largest torque of one joint, its limit and time.
 struct Torque {
   std::string name;
   double u = 0, limit = 0, time = 0;

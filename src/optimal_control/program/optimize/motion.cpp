@@ -1,5 +1,3 @@
-// Prints where centres of mass and frames went.
-
 #include <set>
 
 #include "manycontact/detail/algorithm/energy.hpp"
@@ -15,7 +13,6 @@ constexpr std::size_t kMostRows = 12;
 
 std::string point(const Vec3<double>& p) { return decimal(p[0], 3) + " " + decimal(p[1], 3) + " " + decimal(p[2], 3); }
 
-// A robot's kinematics at a node.
 Kinematics<double> kinematics_at(const Robot& robot, const Eigen::VectorXd& x) {
   Kinematics<double> kin(*robot.model);
   forward_kinematics<double>(*robot.model, robot.base, x.segment(robot.idx_q, robot.model->nq), kin);

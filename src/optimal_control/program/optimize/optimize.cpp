@@ -27,7 +27,7 @@ std::optional<TaskSolver> task_solver(const Arguments& arguments) {
   throw UsageError("unknown solver '" + *name + "', expected fddp, box-fddp, sparse or auto");
 }
 
-// One line on standard error per iteration.
+// Prints one line per iteration on standard error.
 void show(std::size_t k, const TaskIteration& i) {
   if (k % 20 == 0) std::cerr << "iteration          cost       gaps       stop    step  regularisation\n";
   std::ostringstream line;

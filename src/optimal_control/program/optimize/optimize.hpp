@@ -16,13 +16,13 @@ struct OptimizedTask {
   const TaskFile& task;
   const TaskProblem& problem;  // evaluated at the solution
   const TaskSolution& solution;
-  const std::vector<TaskNode> nodes;  // the task's timeline
+  const std::vector<TaskNode> nodes;
   std::optional<SimulatedMotion> simulation;
   std::vector<PlanCost> costs = {};  // one entry per cost of the task file
   std::vector<PlanFinding> findings = {};
 };
 
-/// Writes the JSON of design.md, section 7, to `path`; "-" is standard output. Throws InputError if this fails.
+/// Writes task, solution, findings and report as JSON to `path`; "-" is standard output. Throws InputError on failure.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
 /// Writes CSV in the columns of `simulate`: a row per node, except for impacts, whose time is that of the next node.
@@ -30,10 +30,10 @@ void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
 void write_torques(const OptimizedTask& motion, const std::string& path);
-/// t and the columns of `simulate --forces`, a row per node; zeros of contacts that are open.
+/// Writes t and the columns of `simulate --forces`, one row per node; zeros for open contacts.
 void write_forces(const OptimizedTask& motion, const std::string& path);
 
-/// convergence, torques and forces, .svg and .png, into the folder, from charts.json there. Throws as run_python does.
+/// Draws convergence, torques and forces as .svg and .png in the folder, from charts.json there. Throws as run_python.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
 /// Records the states as frames of a view, with the torques and cones of the task.

@@ -1,5 +1,3 @@
-// The share of each cost, and parts of the plan that deserve attention.
-
 #include <algorithm>
 
 #include "optimize.hpp"
@@ -11,7 +9,7 @@ namespace {
 
 constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs printed; most findings printed of a kind
 
-// "closes: LF ...; LH ...; and 3 more"
+// Prints, for example, "closes: LF ...; LH ...; and 3 more".
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {
   std::vector<std::string> texts;
   for (const PlanFinding* finding : findings) texts.push_back(printable(finding->name) + " " + finding->text);

@@ -1,7 +1,6 @@
 #pragma once
-// How SolverDDP finds its steps: the linear-quadratic problem around a candidate of one part of the problem (of the
-// whole, but for SolverSparse), its solution, and what follows it on the way. Solvers decide, directions compute: line
-// search, regularisation and stopping see sums over the parts, and nothing of what a part is.
+// A search direction of SolverDDP: the linear-quadratic problem around the candidate of a subproblem (only SolverSparse
+// has several), its solution and feedback. Solvers decide on line search, regularisation and stopping, by sums.
 //
 //   RiccatiDirection   the recursion of ddp.hpp, on nodes of matrices (control/riccati_direction.hpp)
 //   BoxDirection       the same with the models' limits on controls
@@ -16,18 +15,18 @@ class Direction {
   using Vectors = std::vector<Eigen::VectorXd>;
 
   virtual ~Direction() = default;
-  /// The part's problem, and which coordinates of the solver's are the part's.
+  /// The subproblem, and its coordinates among the solver's.
   const ShootingPart& part() const { return part_; }
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
-  virtual const char* name() const = 0;  // how the direction is found
-  /// Controls of the matrices that are factorized at a node: the largest number over the nodes, of each matrix.
+  virtual const char* name() const = 0;  // method of the direction
+  /// The sizes of the matrices factorized at a node, each the largest over all nodes.
   virtual std::vector<int> blocks() const;
   /// The policy of some of the part's coordinates: u = us - K (x (-) xs) if the direction is zero.
   struct Gains {
-    std::vector<int> dx, u;  // numbers among the solver's coordinates
+    std::vector<int> dx, u;  // indices among the solver's coordinates
     Eigen::MatrixXd K;
   };
-  /// The gains of node t: each of its controls is in one of them; none before a direction.
+  /// Returns the gains of node t, which together contain each control once; empty before a direction is computed.
   virtual std::vector<Gains> gains(std::size_t t) const = 0;
 
   /// Gradients of the value function (T + 1), feed-forward terms (T): u = us - s k - ... for a step of length s.
@@ -36,19 +35,18 @@ class Direction {
 
   // ---- interface for the solvers
 
-  /// Fits the memory to the problem's nodes; part: the same coordinates of other nodes.
+  /// resize fits the memory to the problem's nodes; follow takes other nodes with the same coordinates.
   virtual void resize();
   void follow(ShootingPart part) { part_ = std::move(part); }
-  /// The part's share of the solver's candidate; fs: its gaps, which count where it is not feasible.
+  /// Copies the subproblem's share of the solver's candidate. fs: gaps, used unless is_feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
-  /// Computes Vx, k and the other intermediate results from the nodes' derivatives at the candidate. Returns false if
-  /// numbers are not finite or the problem is not convex.
+  /// Computes Vx, k and intermediate results at the candidate. Returns false for non-finite numbers or nonconvexity.
   virtual bool compute(double preg, double dreg) = 0;
   /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
   /// by the step length only. The cost is NaN if numbers are not finite.
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// (dg, dq): a step of length s is expected to reduce the cost by s (dg + s dq / 2); gaps: with what they add.
+  /// Returns (dg, dq): a step of length s should reduce the cost by s (dg + s dq / 2); gaps: include their terms.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
   virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp, at the trial states
   virtual double expected_reduction() const = 0;  // the expected reduction of a full step from a candidate without gaps
@@ -59,12 +57,12 @@ class Direction {
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
   virtual void hold_feed_forward(Vectors&) {}  // sets controls to zero that were at a limit at the last gradient
-  virtual void set_scale(double) {}            // the size of the cost, where thresholds depend on it
+  virtual void set_scale(double) {}            // sets the size of the cost, which thresholds depend on
 
  protected:
-  /// is_whole: the part is all of the solver's problem, in its order; it follows the problem's nodes.
+  /// is_whole: the part is the solver's whole problem, in its order, and follows its nodes.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  virtual void step_control(std::size_t t, double steplength) = 0;  // us_try[t] at xs_try[t]
+  virtual void step_control(std::size_t t, double steplength) = 0;  // sets us_try[t] at xs_try[t]
 
   ShootingPart part_;
   // The part's components of the solver's candidate and of the trial point.
@@ -72,10 +70,10 @@ class Direction {
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T
   Eigen::VectorXd step_;       // ndx: workspace
-  bool held_changed_ = false;  // other controls are at limits than at the gradient before
+  bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
 
  private:
-  friend class SolverDDP;  // gathers and scatters
+  friend class SolverDDP;
   using Vector = Eigen::VectorXd;
   void take(const Vector& whole, const std::vector<int>& index, Vector& own) const;
   void give(const Vector& own, const std::vector<int>& index, Vector& whole) const;

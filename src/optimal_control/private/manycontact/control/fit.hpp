@@ -1,6 +1,5 @@
 #pragma once
-// Vectors and matrices by node that fit a problem's nodes: zeros where they did not, and no memory where they did; and
-// whether their numbers are sound, and how large.
+// Fits vectors and matrices to a problem's nodes (set to zero only if their sizes change); checks of their numbers.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,7 @@ void fit(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
   if (x.rows() != rows || x.cols() != cols) x.setZero(rows, cols);
 }
 
-/// `count` vectors of one size, each of the lists.
+/// Fits `count` vectors of one size in each of the lists.
 template <class... Lists>
 void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   (lists.resize(count), ...);
@@ -33,14 +32,14 @@ inline void keep_limits(const ActionModelAbstract& model, Eigen::VectorXd& u) {
   if (model.get_has_control_limits()) u = u.cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
 }
 
-/// All finite and below 1e30.
+/// Whether all entries are finite and below 1e30.
 inline bool is_sound(const Eigen::VectorXd& x) {
   for (const double number : x)
     if (!(std::abs(number) < 1e30)) return false;
   return true;
 }
 
-/// The largest magnitude in states or controls, at least 1.
+/// Returns the largest magnitude in states or controls, at least 1.
 inline double largest_number(const std::vector<Eigen::VectorXd>& xs) {
   double out = 1;
   for (const Eigen::VectorXd& x : xs)

@@ -1,7 +1,6 @@
 #pragma once
-// The backward pass of SolverDDP (ddp.hpp) on the nodes' matrices, or on what nodes of IntegratedActionModelEuler keep
-// in their place; and the same with a box QP for each node's controls (box_solvers.hpp). A node of symplectic Euler
-// itself takes half the operations (lq/riccati_step.hpp).
+// The backward pass of SolverDDP (ddp.hpp) on matrices, or on panels of IntegratedActionModelEuler; BoxDirection with a
+// box QP per node (box_solvers.hpp). Nodes of symplectic Euler take half the operations (lq/riccati_step.hpp).
 
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/direction.hpp"
@@ -13,8 +12,7 @@ class RiccatiDirection : public Direction {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// keeps_values: Vxx, Qxx, Qxu, Quu of all nodes are kept, not those of the current node alone. This doubles the
-  /// memory of a node.
+  /// keeps_values: stores Vxx, Qxx, Qxu, Quu of all nodes, not of the current one alone; doubles the memory of a node.
   RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values)
       : Direction(std::move(part), is_whole), keeps_values_(keeps_values) {}
 
@@ -24,7 +22,7 @@ class RiccatiDirection : public Direction {
   /// Do one node's step of the pass, from the value function of the next node. compute_gains and compute_value_function
   /// need the node of the last compute_action_value_function, else they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
-  /// False where Quu is not positive definite.
+  /// Returns false if Quu is not positive definite.
   virtual bool compute_gains(std::size_t t);
   void compute_value_function(std::size_t t);
 
@@ -46,9 +44,8 @@ class RiccatiDirection : public Direction {
 
  protected:
   void step_control(std::size_t t, double steplength) override;
-  virtual void limit_control(std::size_t) {}  // us_try[t] onto the limits
-  /// Sets to zero, in the gradient of node t, the controls at limits that would leave them; these are fixed from then
-  /// on.
+  virtual void limit_control(std::size_t) {}  // moves us_try[t] onto the limits
+  /// Sets gradient entries of node t to zero for controls at limits that a step would exceed, and fixes these.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -63,8 +60,8 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  Eigen::MatrixXd two_values_[2];           // used instead of Vxx_: the two last ones of the pass
-  Vectors Vxx_fs_, Quuk_;                   // T + 1: Vxx fs, where the candidate has gaps; T
+  Eigen::MatrixXd two_values_[2];           // used instead of Vxx_: those of the last two nodes of the pass
+  Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);

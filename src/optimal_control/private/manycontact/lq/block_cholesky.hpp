@@ -1,7 +1,7 @@
 #pragma once
-// S = L D L^T of a sparse symmetric matrix of dense blocks, with D = +-I of signs given beforehand: Cholesky of each
-// diagonal block or of its negative. It exists in every order when S is quasi-definite (Vanderbei 1995): the part with
-// positive signs positive definite, the part with negative ones negative definite.
+// Factorizes a sparse symmetric matrix of dense blocks, S = L D L^T, where D = +-I has given signs: Cholesky of each
+// diagonal block or of its negative. The factor exists in every order if S is quasi-definite (Vanderbei 1995): positive
+// definite in the part with positive signs, negative definite in the other.
 
 #include <Eigen/Core>
 #include <utility>
@@ -18,20 +18,19 @@ class BlockCholesky {
     double sign;  // +1 or -1
   };
 
-  /// Vertices in the order of elimination; edges (u, v): blocks off the diagonal that are not zero.
+  /// vertices: in the order of elimination. edges (u, v): nonzero blocks off the diagonal.
   void analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges);
 
   void set_zero();
   /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place if that is another one
   /// (M on the diagonal is symmetric).
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
-  void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // a: to vertex v's diagonal
+  void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 
-  /// Adds `relative` times the largest entry of each vertex's rows to its diagonal, by its sign: S is quasi-definite
-  /// then if it was semidefinite.
+  /// Adds `relative` times the largest entry of a vertex's rows to its diagonal, by sign, to make S quasi-definite.
   void add_proximal_term(double relative);
 
-  /// The vertex whose pivots keep less than `least` of their terms (wrong sign included); -1 where all do.
+  /// Returns the first vertex with a pivot below `least` times its terms (or of wrong sign); -1 if there is none.
   [[nodiscard]] int factorize(double least);
   void solve(Eigen::VectorXd& x) const;  // x <- S^-1 x, x by vertex
 
@@ -54,10 +53,10 @@ class BlockCholesky {
   std::vector<Vertex> vertices_;
   std::vector<int> start_;
   std::vector<Column> columns_;
-  Eigen::VectorXd largest_;  // scratch
+  Eigen::VectorXd largest_;  // workspace
 };
 
-/// Operations of factorize.
+/// Returns the number of operations of factorize.
 double block_cholesky_flops(const std::vector<BlockCholesky::Vertex>& vertices,
                             const std::vector<std::pair<int, int>>& edges);
 

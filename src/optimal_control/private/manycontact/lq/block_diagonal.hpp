@@ -1,5 +1,5 @@
 #pragma once
-// A square matrix that is `scale` on its diagonal but for a few blocks.
+// A square matrix that equals scale I except in a few diagonal blocks.
 
 #include <Eigen/Core>
 #include <vector>
@@ -24,7 +24,7 @@ struct BlockDiagonal {
   std::vector<Part> parts;  // ascending
 };
 
-// C <- beta C + ..., beta 0 or 1; C is none of the others.
+// C <- beta C + (product), where beta is 0 or 1. C must not be one of the other arguments.
 void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);   // D X
 void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^T X
 void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D

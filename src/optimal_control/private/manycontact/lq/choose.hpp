@@ -1,5 +1,4 @@
 #pragma once
-// The direction solver that costs least by predicted operations.
 
 #include <memory>
 
@@ -13,9 +12,8 @@ struct Prediction {
 /// Predicts the operations from the structure alone.
 Prediction predict(const Problem& problem);
 
-/// Chooses Riccati by islands, which is the dense one if all blocks are coupled. The Schur complement of couplings is
-/// chosen if it is predicted to cost less, or if a terminal knot has more equations than w, which Riccati cannot solve.
-/// The result is analysed.
+/// Chooses Riccati by islands (dense if all blocks are coupled), or the Schur complement of couplings if predicted to
+/// cost less, or if a terminal knot has more equations than w, which Riccati cannot solve. The result is analysed.
 std::unique_ptr<DirectionSolver> choose(const Problem& problem);
 
 }  // namespace manycontact::lq

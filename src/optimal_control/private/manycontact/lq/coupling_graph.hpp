@@ -1,6 +1,5 @@
 #pragma once
-// Relates couplings to clusters: the couplings on each cluster in each knot, and the offsets of their w and mu in the
-// Schur complement of coupling_schur.hpp.
+// Relates couplings to clusters: those on each cluster in each knot, and offsets of w, mu in coupling_schur.hpp's S.
 
 #include "manycontact/lq/block_cholesky.hpp"
 #include "manycontact/lq/plan.hpp"
@@ -15,7 +14,6 @@ struct CouplingPart {
   int vertex, offset;  // place in the Schur complement
 };
 
-/// A cluster in a knot.
 struct CouplingNode {
   int cluster = 0;  // index of the cluster in the plan's knot
   std::vector<CouplingPart> parts;
@@ -30,19 +28,18 @@ struct CouplingPlace {
 struct CouplingGraph {
   std::vector<std::vector<CouplingNode>> nodes;    // indexed by cluster of knot 0, then by knot
   std::vector<std::vector<CouplingPlace>> places;  // indexed by knot, then by coupling
-  /// Vertices in the order of elimination. Couplings of all knots that touch the same clusters share two vertices: all
-  /// their mu (the even one, sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of
-  /// these pairs gives the order.
+  /// Vertices in elimination order. Couplings that touch the same clusters in any knot share two: all their mu (even,
+  /// sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of pairs orders them.
   std::vector<BlockCholesky::Vertex> vertices;
   std::vector<std::pair<int, int>> edges;
   std::vector<std::vector<int>>
       of_cluster;  // one entry per cluster: the vertices of its couplings; every coupling in them touches it
 };
 
-/// The plan is one of Join::kNoCouplings.
+/// plan: made with Join::kNoCouplings.
 CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan);
 
-/// Operations of CouplingSchur::factorize.
+/// Returns the number of operations of CouplingSchur::factorize.
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph);
 
 }  // namespace manycontact::lq

@@ -5,8 +5,8 @@
 //   Outcome o = solver.factorize(problem, reg);       Q S R A B C D
 //   if (o.status == Status::kOk) o = solver.solve(problem, z);   q r f d x0: the optimum z, refined and judged
 //
-// factorize and solve allocate nothing (but what Eigen takes and frees for products of blocks beyond 128 KB); structure
-// other than the analysed one is refused with std::invalid_argument.
+// factorize and solve allocate nothing (except temporaries of Eigen, for products of blocks beyond 128 KB). They throw
+// std::invalid_argument for a structure other than the analysed one.
 
 #include <vector>
 
@@ -53,11 +53,11 @@ class DirectionSolver {
  protected:
   virtual void do_analyse(const Problem& problem) = 0;
   virtual Outcome do_factorize(const Problem& problem, const Regularisation& reg) = 0;
-  /// The z with H z + h = 0. first: not a correction.
+  /// Computes the z with H z + h = 0. first: the solve itself, not a correction.
   virtual void do_solve(const Problem& problem, const Point& h, Point& z, bool first) = 0;
 
   Layout layout_;
-  int extra_refinements_ = 0;  // beyond max_refinements: of a factor that differs from H on purpose
+  int extra_refinements_ = 0;  // further refinements, for a factor that differs from H on purpose
 
  private:
   void expect_same_structure(const Problem& problem) const;

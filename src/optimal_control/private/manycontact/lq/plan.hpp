@@ -12,7 +12,6 @@ struct Piece {
   int from, size, to;
 };
 
-/// A group of a cluster.
 struct Member {
   int group;
   int x, nx;                // first index of its states in the cluster's x, and their number
@@ -30,7 +29,7 @@ struct Cluster {
   std::vector<int> couplings;  // within the cluster: eliminated with the controls
   std::vector<int> w_start;    // start of each coupling's w in v
   std::vector<int> row_start;
-  std::vector<int> next;       // clusters of the next knot that it is made of
+  std::vector<int> next;       // clusters of the next knot that compose this one
   bool next_in_order = false;  // one cluster, with the same blocks in the same order
   int nx = 0, nu = 0, nv = 0, rows = 0;
 };
@@ -44,7 +43,7 @@ enum class Join {
 using Plan = std::vector<std::vector<Cluster>>;  // one entry per knot
 Plan make_plan(const Problem& problem, Join join);
 
-/// Operations of the Riccati recursion over the plan.
+/// Returns the number of operations of the Riccati recursion over the plan.
 double riccati_flops(const Problem& problem, const Plan& plan);
 
 }  // namespace manycontact::lq

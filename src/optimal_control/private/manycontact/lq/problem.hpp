@@ -1,6 +1,6 @@
 #pragma once
-// The linear-quadratic problem of a horizon, free of robots: knots k = 0 ... T, blocks i (a robot's share of state and
-// control), and in each knot a partition of the blocks into groups, beyond which nothing couples but couplings.
+// The linear-quadratic problem of a horizon, without reference to robots: knots k = 0 ... T and blocks i (a robot's
+// share of state and control). In each knot the blocks are partitioned into groups, which only couplings connect.
 //
 //   minimise   sum_k sum_g  1/2 [x]^T [ Q    S ] [x]  + [q]^T [x]
 //                               [v]   [ S^T  R ] [v]    [r]   [v]
@@ -8,14 +8,12 @@
 //              x_g(k+1) = A x_g + B v_g + f                    each group g of knot k < T
 //              sum over the groups g that coupling b touches of its rows of  C x_g + D v_g + d  = 0     each coupling b
 //
-// x_g has the states of g's blocks, one after the other. v_g = [u_g; w_g] has the controls of its blocks, then the
-// variables of the couplings that act on it. A coupling connects groups that are no dense block together. Its variables
-// w_b (a contact's force and common acceleration) occur in each of these groups, and its equations sum over the groups.
-// A coupling without variables that acts on one group is an equality constraint on it. The terminal knot has no
-// controls and no dynamics.
+// x_g has the states of g's blocks, in sequence. v_g = [u_g; w_g] has the controls of its blocks, then the variables of
+// the couplings on it. A coupling connects groups that are no dense block together. Its variables w_b (a contact's
+// force and common acceleration) occur in each of these groups, and its equations sum over them. A coupling without
+// variables on one group is an equality constraint. The terminal knot has no controls and no dynamics.
 //
-// With multipliers lambda_k of x_k's equation and mu_b of a coupling's, the optimum satisfies (Rhs and residual in
-// kkt.hpp)
+// With multipliers lambda_k of x_k's equation and mu_b of a coupling's, the optimum satisfies (kkt.hpp)
 //
 //   Q x + S v + q + A^T lambda+ + C^T mu - lambda  = 0      so that lambda_k is the gradient of the value function
 //   S^T x + R v + r + B^T lambda+ + D^T mu         = 0      rows of w summed over the groups that the coupling touches
@@ -38,8 +36,8 @@ struct SymplecticStructure {
   BlockDiagonal J, G;
 };
 
-/// One group of a knot. Sizes: nx, nu those of its blocks, nw and nc of its couplings, nv = nu + nw. Only entries of
-/// both halves of Q and R are read, which must be symmetric.
+/// One group of a knot. Sizes: nx, nu those of its blocks, nw and nc of its couplings, nv = nu + nw. Q and R must be
+/// symmetric; entries of both triangles are read.
 struct Group {
   std::vector<int> blocks;
   std::vector<int> couplings;  // numbers in the knot, in the order of v_g and of the rows of C
@@ -47,7 +45,7 @@ struct Group {
   Eigen::MatrixXd Q, S, R;                   // nx x nx, nx x nv, nv x nv
   Eigen::VectorXd q, r;                      // nx, nv
   Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
-  Eigen::VectorXd f;                         // nx: the gap where the problem is the step of another
+  Eigen::VectorXd f;                         // nx: the gap, if the problem is a step of Newton's method
   std::optional<SymplecticStructure> steps;  // set if it is known; A and B are complete nevertheless
   Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
   Eigen::VectorXd d;                         // nc
@@ -72,11 +70,10 @@ struct Problem {            // all knots of a horizon
   int blocks() const { return static_cast<int>(nx.size()); }
 };
 
-/// Makes every matrix and vector zero, with the sizes that follow from nx, nu, the groups' blocks and couplings, and
-/// the couplings.
+/// Sets every matrix and vector to zero, with the sizes that follow from nx, nu, the groups and the couplings.
 void set_zero(Problem& problem);
 
-/// Throws std::invalid_argument where sizes, partition or couplings do not fit, naming knot and group.
+/// Throws std::invalid_argument, with knot and group, if sizes, partition or couplings do not fit.
 void check(const Problem& problem);
 
 /// Offsets of blocks and couplings in the vectors of a Point: the first entry of each, and then the total.
@@ -100,9 +97,8 @@ struct Point {
   Point() = default;
 };
 
-/// Added to the diagonals of the problem: Q + x I, R + u I for controls (not w), and C x + D v + d - rows mu = 0.
-/// Crocoddyl's preg and dreg; `rows` is the step of a proximal (augmented Lagrangian) method on the couplings'
-/// equations.
+/// Added to the diagonals: Q + x I, R + u I for controls (not w), and C x + D v + d - rows mu = 0. x, u: Crocoddyl's
+/// preg, dreg; `rows`: the step of a proximal (augmented Lagrangian) method on the couplings' equations.
 struct Regularisation {
   double x = 0, u = 0, rows = 0;
 };

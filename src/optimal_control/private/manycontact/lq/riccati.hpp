@@ -9,8 +9,8 @@
 //   [ D   -reg.rows ] [ K' k' ] = - [ C      d  ]        v = K x + k,  mu = K' x + k'
 //   P = Qxx + Qxv K + C^T K'       p = qx + K^T qv + K'^T d
 //
-// by Cholesky where a cluster has no rows, else by LU. Separate blocks cost N T n^3. A terminal knot's hard equations
-// on x alone are beyond it (kSingular without reg.rows).
+// This uses Cholesky if a cluster has no rows, else LU. N separate blocks cost N T n^3. Equations on x alone in the
+// terminal knot cannot be satisfied (kSingular without reg.rows).
 
 #include <Eigen/LU>
 
@@ -24,7 +24,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
  public:
   /// The policy of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
   struct Policy {
-    Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, the first nu rows of it u
+    Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, whose first nu rows are u
     Eigen::VectorXd k;
     Eigen::MatrixXd P;  // nx x nx
     Eigen::VectorXd p;  // value function's gradient at x = 0
@@ -32,8 +32,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
   };
 
-  /// kAll is the dense recursion, the reference. kIslands computes by clusters. kNoCouplings leaves couplings out, as
-  /// if w and mu were zero.
+  /// kAll: the dense recursion, a reference. kIslands: by clusters. kNoCouplings: as if the couplings' w, mu were zero.
   explicit Riccati(Join join) : join_(join) {}
 
   const char* name() const override;
@@ -42,10 +41,9 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   const Plan& plan() const { return plan_; }
   const Policy& policy(int knot, int cluster) const { return policies_[knot][cluster]; }
 
-  /// Returns P+ of the next knot in the order of this knot's cluster. It is copied to the workspace if it is stored in
-  /// another order.
+  /// Returns P+ of the next knot in the order of this knot's cluster: a copy in the workspace if the orders differ.
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
-  /// The structure of steps of a cluster that is one group; nullptr if it has none.
+  /// Returns the symplectic structure of a cluster that is one group; nullptr if it has none.
   const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;
 
  protected:
@@ -59,7 +57,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   void expand_next_value(const Problem& problem, int k, int c);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
-  /// x, u, lambda (w and mu of couplings within clusters) of the z with H z + h = 0, the policies' k and p left alone.
+  /// Computes x, u, lambda (w, mu of clusters' couplings) of the z with H z + h = 0; leaves the policies unchanged.
   void pass(const Problem& problem, const Point& h, Point& z);
   void backward(const Problem& problem, const Point& h, int k);
   void forward(const Problem& problem, const Point& h, int k, Point& z);
@@ -71,7 +69,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // current pass's terms; corrections are added to the policies'
   std::vector<int> x_of_block_;
   RiccatiStep step_;                      // workspace of the current cluster
-  std::vector<double> next_, with_rows_;  // scratch, for matrices of it
+  std::vector<double> next_, with_rows_;  // workspace
   Eigen::VectorXd t_, x_, v_, f_;
 };
 

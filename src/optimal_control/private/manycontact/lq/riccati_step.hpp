@@ -1,6 +1,5 @@
 #pragma once
-// One step of the Riccati recursion on dense matrices, by every solver that takes one: with the value function's P+ of
-// the next knot,
+// One step of the Riccati recursion on dense matrices, with P+ of the next knot's value function:
 //
 //     [ Qvv  Qvx ]   [ R  S^T ]                                [ qv ]
 //     [ Qxv  Qxx ] = [ S  Q   ] + F^T P+ F,    F = [B  A],     [ qx ] += F^T t
@@ -22,8 +21,7 @@ class RiccatiStep {
   /// Resizes the workspace for nv columns of v and nx of x. Allocates nothing if it was as large before.
   void lay_out(int nv, int nx);
 
-  /// F = [B A], whole or part by part; by halves (SymplecticStructure) only the lower halves. row, column: the part's
-  /// first.
+  /// Set F = [B A] or a part with the given first row and column. With SymplecticStructure F has only the lower halves.
   void set_A(ConstMatrix A, int row = 0, int column = 0);
   void set_B(ConstMatrix B, int row = 0, int column = 0);
   /// Row i of F: nv numbers of v, and from x_start() on nx of x.
@@ -31,9 +29,9 @@ class RiccatiStep {
   int x_start() const { return u_; }
 
   void multiply(ConstMatrix P);  // H = F^T P F
-  /// The same in half the operations, if F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v. F_z: the rows set.
+  /// Computes H in half the operations, if F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v. F_z: the rows set.
   void multiply(ConstMatrix P, const SymplecticStructure& steps);
-  /// The same if each member's rows of F have entries in its own columns alone.
+  /// Computes H if each member's rows of F have entries in its own columns alone.
   void multiply(ConstMatrix P, const std::vector<Member>& members);
   void set_zero();  // sets H = 0 in a terminal knot
 
@@ -42,11 +40,11 @@ class RiccatiStep {
   Matrix Qxv() { return {H_.data() + u_, nx_, nv_, Eigen::OuterStride<>(ld_)}; }
   Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
 
-  /// qv = B^T t, qx = A^T t, with F as for the last multiply.
+  /// Computes qv = B^T t, qx = A^T t, with F as for the last multiply.
   void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<Eigen::VectorXd> qv,
                        Eigen::Ref<Eigen::VectorXd> qx);
 
-  /// L L^T = Qvv and K = Qvv^-1 Qvx. False where a pivot keeps less than `least` of its entry.
+  /// Computes L L^T = Qvv and K = Qvv^-1 Qvx. Returns false if a pivot is below `least` times its diagonal entry.
   [[nodiscard]] bool eliminate(Eigen::MatrixXd& L, double least);
   /// K^T: nx x nv, by eliminate or as the caller sets it.
   Matrix Kt() { return {K_.data(), nx_, nv_, Eigen::OuterStride<>(ld_)}; }

@@ -1,16 +1,14 @@
 #pragma once
-// A coupled subproblem divided into blocks of ActionModelParts, if contacts between bodies are all that couples its
-// robots; these contacts are the couplings.
+// Divides a coupled subproblem into blocks of ActionModelParts, if contacts between bodies are its only couplings.
 
 #include "manycontact/io/task_file.hpp"
 
 namespace manycontact {
 
-/// The task's robots by blocks, each ascending, in the order of their first ones. Robots are in one block if one of the
-/// following couples them: a contact that cannot be a coupling (of a fixed base), a cost or constraint on a contact
-/// between them, a centre of mass or momentum of the whole scene, or a residual of torques that contains the couplings'
-/// forces (joint_effort, control_grav, contact_control_grav). All robots are one block if there are impacts, or if the
-/// integrator is not euler.
+/// Divides the task's robots into blocks, each ascending, ordered by first robot. These couple robots into one block: a
+/// contact that cannot be a coupling (of a fixed base), a cost or constraint on a contact between them, centre of mass
+/// or momentum of the whole scene, and residuals of torques with the couplings' forces (joint_effort, control_grav,
+/// contact_control_grav). All robots are one block with impacts, or an integrator other than euler.
 std::vector<std::vector<int>> divide_robots(const TaskFile& task);
 
 /// Whether the direction of these blocks takes fewer operations than that of the whole task, by structure alone.

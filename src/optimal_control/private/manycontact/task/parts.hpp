@@ -11,7 +11,7 @@ namespace manycontact {
 
 /// Joins the robots of both ends of a contact, if both have one.
 void join_ends(const Contact& contact, sparse::UnionFind& sets);
-/// Joins these robots; all of the scene if there are none.
+/// Joins these robots, or all robots of the scene if the list is empty.
 void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets);
 /// Divides the task's robots into sets, each ascending, in the order of their first ones. `join` joins robots for one
 /// phase or for the terminal node; springs join their ends.
@@ -26,11 +26,10 @@ std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 /// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose couplings are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
-/// The coordinates of the scene's x, dx, u that are these robots', in the order of part_of's scene; without a model.
+/// Returns the coordinates of these robots among the scene's x, dx, u, in part_of's order; without a model.
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
 
-/// The rows of a residual of single coordinates of the whole scene (of its dx, velocities or u) that belong to these
-/// robots, in the same order.
+/// Returns the rows, of a residual of the whole scene's single coordinates, that belong to these robots, in order.
 std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots);
 
 }  // namespace manycontact

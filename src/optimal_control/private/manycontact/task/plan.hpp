@@ -1,6 +1,5 @@
 #pragma once
-// Checks of a plan that solvers do not make: where contacts close, which joints exceed their limits, which goals are
-// missed, and the share of each cost.
+// Checks that solvers do not make: where contacts close, exceeded limits, missed goals, and the share of each cost.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/task/optimize.hpp"
@@ -12,27 +11,26 @@ struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
   double time = 0;   // s
-  double above = 0;  // m: height of A's origin above its place in the scene, along the normal (world z; between bodies
-                     // the distance of the two); negative below
+  double above = 0;  // m: signed height of A's origin above its place (world z); between bodies: their distance
   double aside = 0;  // m: distance across the normal
   double speed = 0;  // m/s: speed of A's origin relative to B'
   bool holds_there = true;  // fixed where it closes, not where the scene has it (TaskPhase::at_scene)
 };
-/// Closings in the order of time. A planned step forward closes aside, as it should; one above closes in the air.
+/// Returns the closings in the order of time. `aside` is normal for a step forward; `above` means contact in the air.
 std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
 
 struct PlanLimit {  // A coordinate beyond a limit of the robot's file, where it is furthest.
   LimitPassed limit;
   std::size_t node = 0;
 };
-/// The worst value of every coordinate and quantity, by robot: position, velocity, and effort.
+/// Returns the worst value of every coordinate and quantity, by robot: position, velocity, and effort.
 std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                      const std::vector<Eigen::VectorXd>& us);
 
-struct PlanCost {  // A <cost> of the task, by its name in all phases, its copies together.
+struct PlanCost {  // A <cost> of the task: one name in all phases, all copies together.
   std::string name;
   TaskResidual residual = TaskResidual::kState;
-  double cost = 0;       // sum over all nodes, as the solver adds it up
+  double cost = 0;       // sum over all nodes, with the solver's weights
   bool is_goal = false;  // the residual is a place or an orientation: frame_placement, _translation, _rotation, com
   double missed = 0;     // goals only: |r| of the worst copy at the last node that has the cost [m, rad]
   std::size_t node = 0;

@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-/// The common base: the other residual, whose data are within its own.
+/// The common base: contains the other residual, and its data.
 class ResidualOfInner : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -13,7 +13,7 @@ class ResidualOfInner : public ResidualModelAbstract {
   using ResidualModelAbstract::calc;
   using ResidualModelAbstract::calcDiff;
 
-  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }  // the other residual
+  const std::shared_ptr<ResidualModelAbstract>& get_inner() const { return inner_; }
 
  protected:
   struct Data : ResidualDataAbstract {
@@ -24,7 +24,6 @@ class ResidualOfInner : public ResidualModelAbstract {
   };
   static Data& own(ResidualDataAbstract& data) { return static_cast<Data&>(data); }
 
-  /// name: that of the class.
   ResidualOfInner(const char* name, const std::shared_ptr<ResidualModelAbstract>& inner, std::size_t nr)
       : ResidualModelAbstract(internal::given(name, inner, "a residual")->get_state(), nr, inner->get_nu(),
                               inner->depends_on()),
@@ -44,13 +43,13 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void print(std::ostream& os) const override { os << rows_.size() << " rows of " << *inner_; }
 
  private:
-  std::vector<int> rows_, row_of_;  // row_of_: of inner's rows, -1 for those left out
+  std::vector<int> rows_, row_of_;  // row_of_: index of each of inner's rows, -1 if it is left out
 };
 
 /// Expresses another residual in the axes of a copy: r = X r_inner. Weights and bounds are along these axes too.
 class ResidualModelTurned : public ResidualOfInner {
  public:
-  /// X: square. A block of the inner residual has all rows.
+  /// X: nr x nr. Blocks of the inner residual must contain all rows.
   ResidualModelTurned(std::shared_ptr<ResidualModelAbstract> inner, const Eigen::MatrixXd& X);
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
