@@ -1,5 +1,4 @@
 #pragma once
-// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts.
 
 #include <vector>
 
@@ -7,10 +6,10 @@
 
 namespace manycontact {
 
-/// Returns one flag per row of data.f. A flag is 1 if every f with the same J^T f has this component. It is 0 if the
-/// least-norm f is one choice among many, because the null space of J^T has a component there, and if there is no
-/// solution. Example: of a door on two ball joints, the horizontal forces are unique, the distribution of the weight is
-/// not.
+/// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts. Returns one
+/// flag per row of data.f. It is 1 if every f with the same J^T f has this component. It is 0 if the null space of J^T
+/// has a component there, or if there is no solution. Example: for a door on two ball joints, the horizontal forces are
+/// unique, the distribution of the weight is not.
 ///
 /// The norm adds squares of newtons and newton metres, weighted by Scene::moment_length. Other weights change the
 /// least-norm forces, but not those that are unique. To choose other forces, see redistribute_forces in

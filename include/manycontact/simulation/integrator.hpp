@@ -14,7 +14,7 @@ inline constexpr Integrator kIntegrators[] = {Integrator::kSemiImplicitEuler, In
 
 /// "semi-implicit-euler", "rk4".
 std::string to_string(Integrator integrator);
-/// The integrator with the given name, as to_string writes it; none if there is no such integrator.
+/// Returns the integrator with the given name, as to_string writes it; none if there is no such integrator.
 std::optional<Integrator> integrator_from_string(const std::string& name);
 
 }  // namespace manycontact

@@ -13,8 +13,8 @@
 
 namespace manycontact {
 
-/// The simulations. They belong to the scene they were made for; only its numbers may change, as in `solve`. Only one
-/// batch function may use them at a time.
+/// Simulations of one scene, of which only the numbers may change, as in `solve`. Only one batch function may use them
+/// at a time.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
   /// takes as many as OpenMP offers. Throws std::invalid_argument for wrong sizes or a wrong number of threads, and
@@ -23,7 +23,7 @@ struct SimulationBatch {
                   int threads = 0, const Options& options = {});
 
   // These members are set by the caller, between steps, and apply to all states.
-  std::vector<char> active;          // one flag per contact; initially as in the scene. Velocities do not jump
+  std::vector<char> active;          // one flag per contact; initially as in the scene. A change causes no impact
   std::vector<Vec6<double>> wrenches;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty

@@ -29,13 +29,13 @@ struct ChartTruth {
   int sampled = 0;  // islands whose derivatives are sampled
 };
 
-/// `data`: solved by sparse-ldl at the scene's state.
+/// Computes the reference. `data` must be solved by sparse-ldl at the scene's state.
 ChartTruth find_truth(const SceneFile& file, SceneData& data);
 
-/// Relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
+/// Return relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
 double acceleration_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 double force_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
-/// Also the worst over the six blocks.
+/// Returns the worst over robots and the six blocks.
 double derivative_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 
 }  // namespace manycontact::cli

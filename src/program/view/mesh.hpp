@@ -1,5 +1,5 @@
 #pragma once
-// Triangle meshes that a URDF draws.
+// Triangle meshes of a URDF's visuals.
 
 #include <array>
 #include <cstdint>
@@ -13,14 +13,14 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// STL and OBJ, in the file's own unit, and COLLADA, in metres: the triangles, each with three vertices of its own.
-/// They come from manycontact-mesh (mesh_main.cpp), which a malicious file may crash. Throws InputError, also where
-/// that program is not there.
+/// Loads the triangles of an STL or OBJ file, in the file's unit, or of a COLLADA file, in metres, each with three
+/// vertices of its own. manycontact-mesh (mesh_main.cpp) reads the file, since a malicious one may crash assimp. Throws
+/// InputError, also if that program is missing.
 Mesh load_mesh(const std::string& path);
 
-/// The mesh with at most so many triangles: vertices in one cell of a grid become one, and triangles that this makes
-/// degenerate are left out; the grid is as fine as the count allows. Also joins corners that are equal.
-/// Source: Rossignac and Borrel, Multi-resolution 3D approximations for rendering complex scenes, 1993.
+/// Returns the mesh with at most so many triangles: merges the vertices in each cell of a grid, and leaves out
+/// triangles that degenerate. The grid is as fine as the count allows. Source: Rossignac and Borrel, Multi-resolution
+/// 3D approximations for rendering complex scenes, 1993.
 Mesh decimate(const Mesh& mesh, std::size_t most_triangles);
 
 }  // namespace manycontact::cli

@@ -1,5 +1,5 @@
 #pragma once
-// The page's parts, embedded when the program is built, and what is filled in.
+// The parts of the page, which the build embeds in the program, and the data that they show.
 
 #include <string>
 #include <string_view>
@@ -10,13 +10,13 @@
 namespace manycontact::cli {
 
 struct PageParts {
-  std::string_view html, css, script, three;  // three.js, empty where it was not there to be embedded
+  std::string_view html, css, script, three;  // three: three.js, empty if it was missing at build time
 };
 PageParts page_parts();
 /// Throws std::runtime_error with the package to install if a part is missing.
 void check_page_parts();
 
-/// The bytes in base64, as the page's `decode` reads them: little endian.
+/// Returns the bytes in base64, as the page's `decode` reads them: little endian.
 template <class T>
 std::string base64_of(const std::vector<T>& list);
 
@@ -24,7 +24,7 @@ std::string base64_of(const std::vector<T>& list);
 /// that were read in `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
-/// Takes the last state.
+/// Adds the last state as a frame.
 void finish(Recording& recording);
 
 }  // namespace manycontact::cli
