@@ -1,4 +1,4 @@
-// Contains the claims, and the ratios that they are judged by.
+// The claims about speed, and the ratios that test them.
 
 #include "claims.hpp"
 
@@ -15,7 +15,7 @@ namespace {
 
 struct Claim {
   const char *what, *numerator, *denominator;
-  double divide_by;  // robots
+  double divide_by;  // number of robots
   const char* wanted;
 };
 
@@ -84,7 +84,7 @@ constexpr Claim kClaims[] = {
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
 
-// Times are divided by the number of robots.
+// Exponents of growth with the number of robots. Times are divided by this number first.
 struct Growth {
   const char *what, *before, *after, *wanted;
 };

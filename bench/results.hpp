@@ -23,7 +23,7 @@ struct Run {
 /// Returns the result called `name`, or null.
 const Result* find(const Run& run, const std::string& name);
 
-/// Throws std::runtime_error; read_runs throws it also for a file that is not a list of runs.
+/// Throw std::runtime_error, read_runs also for a file that is not a list of runs.
 void write_runs(const std::vector<Run>& runs, const std::string& path);
 std::vector<Run> read_runs(const std::string& path);
 void write_csv(const std::vector<Run>& runs, const std::string& path);

@@ -1,5 +1,4 @@
 #pragma once
-// These are the settings of `./run bench`.
 
 #include <string>
 #include <vector>

@@ -1,5 +1,5 @@
 #pragma once
-// The reference judges every method of the library on a case.
+// Judges every method of the library on a case, by the reference.
 
 #include <string>
 #include <vector>
@@ -13,17 +13,17 @@ namespace manycontact::attack {
 enum class Fault {
   kLoad,         // a file that should be read was refused
   kException,    // an exception that is not documented
-  kNoAnswer,     // `failed` though K's condition is moderate
-  kSingular,     // a solution though K is singular
-  kValue,        // an error of a or f beyond rounding and beyond the stated bound
+  kNoAnswer,     // `failed` although K's condition is moderate
+  kSingular,     // a solution although K is singular
+  kValue,        // an error of a or f beyond rounding errors and beyond the stated bound
   kRank,         // not a possible rank of J
   kStatus,
-  kCondition,    // not within a factor 10
+  kCondition,    // condition estimate wrong by more than a factor of 10
   kBound,        // an error beyond its stated bound
   kSilent,       // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
   kDerivative,
   kProduct,      // jvp or vjp disagree with the derivatives
-  kNotFinite,    // derivatives
+  kNotFinite,    // derivatives that are not finite
   kQuasiStatic,
   kImpact,
 };
@@ -36,7 +36,7 @@ struct Finding {
 
 struct Judgement {
   std::vector<Finding> findings;
-  bool judged = false;                   // the case had something to be judged
+  bool judged = false;                   // whether anything in the case could be judged
   std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
 };
 

@@ -1,5 +1,5 @@
-// These mechanisms have redundant constraints. Denavit and Hartenberg's numbers place the hinges: a distance along x
-// and a twist about it from each axis z to the next.
+// Mechanisms with redundant constraints. Denavit and Hartenberg's numbers place the hinges: a distance along x and a
+// twist about x from each axis z to the next.
 
 #include <cmath>
 #include <numbers>

@@ -1,5 +1,5 @@
 #pragma once
-// Each method is judged on each case: the reported outcome, and the true error in quadruple precision.
+// Judges each method on each case, by the reported outcome and the true error in quadruple precision.
 
 #include <string>
 #include <vector>
@@ -11,19 +11,20 @@
 
 namespace manycontact::test {
 
-// Up to here the truth in quadruple precision, whose own error is its rounding times the condition, is better than eps.
-// Beyond, extended solutions with different factors agree in more digits with each other than with the truth.
+// Up to this condition the truth in quadruple precision, whose error is its rounding error times the condition, is more
+// accurate than eps. Beyond, extended solutions with different factors agree in more digits with each other than with
+// it.
 inline constexpr double kTrueCondition = 1e15;
 
 enum class Outcome {
   kExact,         // ok, with the requested method and order, at most one step of refinement
-  kRefined,       // the same with more steps
+  kRefined,       // ok, with the requested method and order and more steps
   kReordered,     // ok, in leaf-to-root order, because the requested one was unsound
   kFallback,      // ok, with another method than requested
   kRedundant,     // dependent, consistent contacts
   kInconsistent,  // inconsistent contacts
-  kRegularised,   // the damping is lost in rounding: the solution without it
-  kInDouble,      // solved in double: refused in the requested precision
+  kRegularised,   // the damping is lost in rounding errors: the solution without damping
+  kInDouble,      // solved in double, since the requested precision was refused
   kRefused,       // status failed and NaN, or an exception when the scene is built
   kWrong,         // a wrong number or a wrong derivative, or an exception out of solve
   kMislabelled,   // right numbers, but ok, redundant and inconsistent are mixed up, or no damping was lost
@@ -32,11 +33,11 @@ enum class Outcome {
 inline constexpr char kLetters[] = "erofDIGd-WM.";
 inline char letter(Outcome outcome) { return kLetters[static_cast<int>(outcome)]; }
 
-/// Returns the same with 'a' for e, r, o and f: the machine's rounding may change how a solution was found, but not
-/// whether there is one.
+/// Returns the letters with 'a' for e, r, o and f: the machine's rounding errors may change how a solution was found,
+/// but not whether there is one.
 std::string classes(const std::string& letters);
-/// Returns whether two rows of classes agree. Refusal in another precision than double depends on rounding at the edge,
-/// too: 'd' agrees with any solution.
+/// Whether two rows of classes agree. 'd' agrees with any solution, since a refusal in another precision than double
+/// depends on rounding errors, too.
 bool agree(const std::string& classes, const std::string& others);
 
 struct Cell {
@@ -47,7 +48,7 @@ struct Cell {
   double allowed = 0;               // max(1e-12, 100 eps cond), cond as computed here; of derivatives ten times that
   double beyond_bound = 0;          // the true error over the bound of estimate_errors, of a or f, the worst island
   bool answered = false;            // there are numbers for all islands
-  std::string note;                 // note of the report
+  std::string note;
 };
 
 struct Row {
@@ -59,10 +60,10 @@ struct Row {
   std::string letters() const;
 };
 
-/// The columns of the page.
+/// Returns the columns of the page.
 const std::vector<Way>& table_ways();
-/// Returns these, and sparse-ldl at each level of instructions that runs here, which is judged but not on the page. The
-/// last columns of the page are auto in the other precisions than double.
+/// Returns these, and sparse-ldl at each instruction level of this machine, which is judged but not on the page. The
+/// last columns of the page are auto in the precisions other than double.
 const std::vector<Way>& judged_ways();
 
 Row judge(const Case& which);

@@ -8,7 +8,7 @@
 
 namespace manycontact::test {
 
-/// Returns the larger one, or NaN if there is one.
+/// Returns the larger number, or NaN if either is.
 inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
 /// Known properties of one island.
@@ -51,14 +51,13 @@ struct Truths {
 /// Returns the report on an island: that of dense-schur is a single one on all of them.
 const IslandReport& report_of(const Report& report, std::size_t island);
 
-/// Returns the condition of the K of the report, which the island's errors are relative to.
+/// Returns the condition of the reported K, to which the island's errors are relative.
 double condition_of(const Truths& truths, const Report& report, std::size_t island);
 
 /// Returns the truth that a solution claims: without damping for islands that were regularised because their damping is
 /// lost in rounding, the given truth for the others.
 Truths claimed(const Truths& damped, const Truths& undamped, const Report& report);
 
-/// Returns the same problem without damping.
 Problem without_damping(Problem p);
 
 }  // namespace manycontact::test

@@ -29,7 +29,7 @@ inline std::vector<Way> ways(bool with_oracle = false) {
   return out;
 }
 
-/// Returns the same, and sparse-ldl at each level of instructions that runs here.
+/// Returns these, and sparse-ldl at each instruction level of this machine.
 inline std::vector<Way> ways_here(bool with_oracle = false) {
   std::vector<Way> out = ways(with_oracle);
   for (SimdLevel lanes : available_simd_levels())

@@ -9,8 +9,8 @@ namespace manycontact::test {
 
 inline int integer(std::mt19937& rng, int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng); }
 
-/// Returns up to four boxes on each other at several points, and at least one on the ground. Some are pushed, and some
-/// on springs.
+/// Returns up to four boxes on each other at several points, and at least one on the ground. External wrenches act on
+/// some, and springs on some.
 inline RandomScene random_boxes(std::mt19937& rng) {
   PileMaker make;
   const int boxes = integer(rng, 1, 4);

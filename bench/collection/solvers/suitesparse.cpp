@@ -1,5 +1,5 @@
-// CHOLMOD's simplicial LDL^T and SuiteSparse's LDL both use AMD's order and no pivoting: they are fast, and not meant
-// for indefinite systems.
+// CHOLMOD's simplicial LDL^T and SuiteSparse's LDL, both in AMD's order and without pivoting: they are fast, and not
+// meant for indefinite systems.
 
 #include <amd.h>
 #include <cholmod.h>

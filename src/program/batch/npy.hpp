@@ -15,7 +15,8 @@ std::string npy_header(const std::vector<std::int64_t>& shape);
 
 class NpyInput {
  public:
-  /// Opens a file of version 1.0 or 2.0 with two or three dimensions of the size its header requires. Throws InputError.
+  /// Opens a file of version 1.0 or 2.0 with two or three dimensions and the size its header requires. Throws
+  /// InputError.
   explicit NpyInput(const std::string& path);
   ~NpyInput();
   NpyInput(const NpyInput&) = delete;
