@@ -35,8 +35,7 @@ std::vector<Vec3<double>> frame_places(const Model& model) {
   return places;
 }
 
-// Returns the frame of largest `score` among those left (y > 0) or right of the base; of equals the deepest in the
-// tree.
+// Returns the frame of largest `score` left (y > 0) or right of the base; among equals the deepest in the tree.
 template <class Score>
 std::string best_frame(const Model& model, bool left, const Score& score) {
   const std::vector<Vec3<double>> places = frame_places(model);

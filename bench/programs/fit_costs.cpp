@@ -2,8 +2,7 @@
 //
 // A predicted time is linear in the coefficients, t = sum_j c_j n_j, with an island's counts n_j (rows, entries,
 // multiply-adds). The fit minimises sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured
-// islands i, with the current coefficients c0. Coefficients that the islands do not distinguish thus keep their ratio.
-// Negative coefficients are set to zero.
+// islands i. Coefficients that these do not distinguish keep the ratio of the current ones, c0; negative ones become 0.
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Our tasks: solve, all derivatives after a solve, the product w^T [da; df] of them, setting a scene up, a robot's
-// algorithms, and an iteration of FDDP.
+// Our tasks: solve, all derivatives after it, their product w^T [da; df], set-up, a robot's algorithms, FDDP's
+// iteration.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"

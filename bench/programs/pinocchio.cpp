@@ -1,5 +1,4 @@
-// Pinocchio runs constraintDynamics with one proximal iteration and with three, derivatives after it, constrainedABA,
-// and a robot's algorithms.
+// Pinocchio: constraintDynamics (one or three proximal iterations), its derivatives, constrainedABA, robot algorithms.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>

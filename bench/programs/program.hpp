@@ -37,9 +37,8 @@ struct Task {
 };
 Task task_of(const std::string& words);
 
-/// Runs the task of settings() on its scene. The accelerations, one number per line in manycontact's coordinates, go to
-/// settings().out, and the median time of a run [us] to standard output. Throws std::runtime_error if the program does
-/// not support this.
+/// Runs the task of settings() on its scene. Writes the accelerations, one number per line in our coordinates, to
+/// settings().out, and the median time [us] to standard output. Throws std::runtime_error if this is not supported.
 void run_on_scene();
 
 /// Returns the program of this executable.

@@ -1,5 +1,4 @@
-// manycontact_roofline prints a Markdown table: operations and bytes of a solve and of derivatives, relative to the
-// machine's peaks of the same run.
+// manycontact_roofline prints a table: operations and bytes of solves and derivatives, relative to the machine's peaks.
 
 #include <malloc.h>
 
@@ -105,8 +104,7 @@ double columns_of(const SceneData& data) {
   return columns / static_cast<double>(island_count(data));
 }
 
-// Adds a scene's solve, vjp and, on request, all derivatives. `alike`: a small scene of the same kind, whose operations
-// are counted.
+// Adds a scene's solve, vjp and, on request, derivatives. `alike`: a small similar scene, whose operations are counted.
 void add(std::vector<Entry>& entries, const std::string& name, Posed scene, const Posed& alike, bool all_derivatives) {
   const double scale = double(scene.scene.nrobots()) / alike.scene.nrobots();
   const Operations each = count_operations(alike.scene, alike.q, alike.v, 2 * alike.v);

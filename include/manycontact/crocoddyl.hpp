@@ -51,8 +51,7 @@ class Exception : public std::exception {  // thrown by throw_pretty
   std::string message_, place_, what_;
 };
 
-/// Returns the pseudoinverse of a matrix of any rank. Singular values below the largest one times epsilon count as
-/// zero.
+/// Returns the pseudoinverse of a matrix of any rank. Singular values below epsilon times the largest count as zero.
 inline Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a) {
   return a.completeOrthogonalDecomposition().pseudoInverse();
 }

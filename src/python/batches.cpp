@@ -44,8 +44,7 @@ struct NewRows {
 constexpr Eigen::Index kFirstChunk = 256;
 constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
 
-// Calls work(first, count) for one chunk of states after the other, of about a tenth of a second each. Handles Ctrl-C
-// in between.
+// Calls work(first, count) for chunks of states of about a tenth of a second each, and handles Ctrl-C in between.
 template <class Work>
 void run_batch(Eigen::Index states, Work&& work) {
   const std::unique_lock turn(one_batch, std::try_to_lock);

@@ -25,8 +25,7 @@ class Data {
     return *data_;
   }
 
-  /// Calls work(SceneData&) without the GIL. Arrays on derivatives keep their numbers: the data get a copy of the
-  /// panel.
+  /// Calls work(SceneData&) without the GIL. Arrays on derivatives keep their numbers, since the data get a copy.
   template <class Work>
   auto use(Work&& work) const {
     const Turn turn(*state_);

@@ -44,8 +44,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-// Refuses SceneData.__new__(SceneData): it contains no SceneData, but pybind11 would allocate memory for one and use
-// it.
+// Refuses SceneData.__new__(SceneData), which has no SceneData: pybind11 would use uninitialised memory as one.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;

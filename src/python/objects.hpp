@@ -30,8 +30,8 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// Adds a member matrix as a property: an array on its memory, which keeps the object alive; assignment writes into it.
-/// The member must keep its size.
+/// Adds a member matrix of constant size as a property: an array on it, which keeps the object; assignment writes to
+/// it.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(
@@ -94,8 +94,7 @@ void add_twins(py::module_& m);
 void add_solvers(py::module_& m);
 void add_task(py::module_& m);
 
-/// Converts objects of classes defined in Python to a shared_ptr that keeps the Python object alive, whose methods and
-/// attributes C++ would lose otherwise.
+/// Lets a shared_ptr to an object of a class defined in Python keep the Python object, with its methods and attributes.
 template <class T>
 struct KeepingCaster : py::detail::copyable_holder_caster<T, std::shared_ptr<T>> {
   using Base = py::detail::copyable_holder_caster<T, std::shared_ptr<T>>;

@@ -1,6 +1,6 @@
 #pragma once
-// Plain structures as Python values: copied, compared and pickled member by member. Pickling raises if a member is not
-// data, such as a function.
+// Plain structures as Python values: copied, compared and pickled by member. Pickling raises for members such as
+// functions.
 
 #include <cmath>
 #include <optional>

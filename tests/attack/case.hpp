@@ -96,8 +96,7 @@ void number_coordinates(Tree& tree);
 /// Returns the link whose joint moves this one, past fixed and locked joints; -1: none does.
 int moving_link(const Tree& tree, int link);
 
-/// Removes elements that the library refuses: contacts and springs of a body with itself, or of two that cannot move,
-/// and wrenches on bodies that cannot move.
+/// Removes what the library refuses: contacts and springs of a body with itself, and elements on immovable bodies only.
 void drop_refused(Case& c);
 
 /// Returns the scene file's text; trees that come from no file are named r<k>.urdf in its folder.

@@ -79,8 +79,7 @@ struct Trial {
   void blur() {
     for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
   }
-  // Whether the rank is constant near this configuration. It is not at a singular one, nor where a mechanism closes
-  // with redundant rows; no derivative exists there.
+  // Whether the rank is constant nearby. If not (singular; or mechanisms closed redundantly), no derivative exists.
   bool rank_is_constant() {
     const int rank = truth.ranks().front();
     if (rank == std::min(truth.rows(), truth.nv())) return true;

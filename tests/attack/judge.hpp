@@ -40,8 +40,7 @@ struct Judgement {
   std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
 };
 
-/// Judges values, status, rank, condition, bounds, derivatives, products and quasi-static torques of a case. Its files
-/// are written into `folder`.
+/// Judges all properties of a case but impacts. Its files are written into `folder`.
 Judgement judge(const Case& c, const std::string& folder, const std::vector<Method>& methods);
 /// Judges the library's solutions of another case, which must have the same sizes: for testing the judge.
 Judgement judge_as(const Case& truth, const Case& given, const std::string& folder, const std::vector<Method>& methods);

@@ -328,8 +328,7 @@ TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   }
 }
 
-// Along a limb with dependent rows on one body, the accepted rows on the next body are compared with the error of the
-// small pivot.
+// Along a limb, accepted rows after dependent rows on one body are compared with the error of the small pivot.
 TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   const TemporaryFolder folder;
   LinksFile links(1, 0.1);
@@ -407,8 +406,7 @@ TEST(Rank, OfAPointOnTheAxisIsNone) {
   }
 }
 
-// A point of two links that move in a plane has two independent rows; the third row's residual after a small second
-// pivot is a rounding error.
+// A point of two links that move in a plane has two independent rows; the residual of the third is a rounding error.
 TEST(Rank, OfThePlaneIsTwo) {
   const TemporaryFolder folder;
   const auto link = [](const std::string& name, const std::string& mass, const std::string& inertia) {

@@ -1,5 +1,5 @@
-// Mechanisms with redundant constraints. Denavit and Hartenberg's numbers place the hinges: a distance along x and a
-// twist about x from each axis z to the next.
+// Mechanisms with redundant constraints. Hinges are placed by a distance along x and a twist about it
+// (Denavit-Hartenberg).
 
 #include <cmath>
 #include <numbers>

@@ -25,8 +25,7 @@ struct Wrench {  // force, and moment about the link's origin, in the world's ax
 template <class T>
 Body<T> point_of(const Body<T>& link, const Numbers& offset);
 
-/// Returns the forces on joint coordinates that cause the tree's motion, given `on`, other wrenches on links, and
-/// gravity.
+/// Returns the joint forces that cause the tree's motion, given `on`, other wrenches on its links, and gravity.
 template <class T>
 std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies, const Vec<T>& gravity,
                             const T* a, std::vector<Wrench<T>> on);

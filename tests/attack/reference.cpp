@@ -132,8 +132,7 @@ void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector
   }
 }
 
-// Returns the joint forces for the motion s, with the contacts' forces and, if `acting`, gravity, wrenches, springs and
-// dampers.
+// Returns joint forces for the motion s with contact forces f and, if `acting`, gravity, wrenches, springs and dampers.
 template <class T>
 std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool acting) {
   const Vec<T> g = acting ? Vec<T>(c.gravity) : Vec<T>();

@@ -1,7 +1,7 @@
 #pragma once
-// Solves a case in quadruple precision with Newton and Euler's equations and a decomposition of J^T. J's rows and
-// columns come from velocities, M's from forces, derivatives from dual numbers: every step differs from the library's
-// and uses no code of it.
+// Solves a case in quadruple precision with Newton and Euler's equations and a decomposition of J^T. J comes from
+// velocities, M from forces, derivatives from dual numbers: every step differs from the library's and uses no code of
+// it.
 
 #include <algorithm>
 #include <memory>
@@ -43,8 +43,7 @@ class Reference {
 
   int nv() const { return nv_; }
   int rows() const { return rows_; }
-  /// Possible ranks of J, the highest first: several if the residual of a row is neither a rounding error of double
-  /// precision nor clearly more.
+  /// Possible ranks of J, descending: several if a row's residual is neither a rounding error nor clearly more.
   const std::vector<int>& ranks() const { return ranks_; }
   const Matrix& M() const { return M_; }
   const Matrix& J() const { return J_; }

@@ -181,8 +181,7 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
   EXPECT_LE(difference(far.f, near.f), allowed) << what << ", forces";
   EXPECT_LE(difference(far.da, near.da), 10 * allowed) << what << ", derivatives of accelerations";
   EXPECT_LE(difference(far.df, near.df), 10 * allowed) << what << ", derivatives of forces";
-  // the bound of sparse-bodies grows with the distance along a slide, which it treats as a moment arm; the error does
-  // not
+  // sparse-bodies treats the distance along a slide as a moment arm: its bound grows with it, its error does not
   if (near.report.islands[0].method != Method::kSparseBodies) {
     EXPECT_LE(far.report.error_acceleration, 2 * near.report.error_acceleration + 1e-14) << what << ", claimed bound";
   }
@@ -217,8 +216,7 @@ TEST_P(Far, NothingDependsOnWhereItStands) {
   }
 }
 
-// The truth is that of the rounded placements. Contacts are with the world and between two robots that are both far
-// away, with bases rotated in the world.
+// The truth is that of the rounded placements. Contacts are with the world, and between two far robots, bases rotated.
 TEST(FarTruth, AnyPlace) {
   using enum ContactType;
   for (const bool by_joints : {false, true})

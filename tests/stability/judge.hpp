@@ -11,9 +11,9 @@
 
 namespace manycontact::test {
 
-// Up to this condition the truth in quadruple precision, whose error is its rounding error times the condition, is more
-// accurate than eps. Beyond, extended solutions with different factors agree in more digits with each other than with
-// it.
+// Up to this condition, the quadruple-precision truth, with an error of eps_quad times the condition, is more accurate
+// than double's eps. Beyond, extended solutions with different factors agree better with each other than with the
+// truth.
 inline constexpr double kTrueCondition = 1e15;
 
 enum class Outcome {
@@ -33,11 +33,10 @@ enum class Outcome {
 inline constexpr char kLetters[] = "erofDIGd-WM.";
 inline char letter(Outcome outcome) { return kLetters[static_cast<int>(outcome)]; }
 
-/// Returns the letters with 'a' for e, r, o and f: the machine's rounding errors may change how a solution was found,
-/// but not whether there is one.
+/// Returns the letters with 'a' for e, r, o and f: rounding errors may change how a solution was found, but not
+/// whether.
 std::string classes(const std::string& letters);
-/// Whether two rows of classes agree. 'd' agrees with any solution, since a refusal in another precision than double
-/// depends on rounding errors, too.
+/// Whether two rows of classes agree. 'd' agrees with any solution, since rounding errors decide refusals, too.
 bool agree(const std::string& classes, const std::string& others);
 
 struct Cell {
@@ -68,8 +67,7 @@ const std::vector<Way>& judged_ways();
 
 Row judge(const Case& which);
 
-/// Compares a solution with the truths that it claims (claimed) and returns the outcome. It is public so that wrong
-/// solutions can test the suite itself.
+/// Compares a solution with the truths that it claims and returns the outcome. Public for tests with wrong solutions.
 Cell judge_answer(const Problem& p, const Truths& truths, SceneData& data, const Way& way);
 
 }  // namespace manycontact::test

@@ -40,8 +40,7 @@ struct Truths {
   std::vector<RobotPlaces> robots;    // of the scene
   std::vector<Direction> directions;  // one of each kind; none where no derivatives are known (derivatives.hpp)
   int rank = 0, rows = 0;             // of J, over all islands
-  // residual of J a + a0 that no acceleration can avoid: relative to its terms, and to gravity or its terms; -1: the
-  // problem is too large to compute it
+  // least residual of J a + a0, relative to its terms, and to gravity or its terms; -1: the problem is too large
   double contradiction = -1, contradiction_over_gravity = -1;
   Eigen::VectorXd a_free;  // where a or v vanishes: accelerations without contacts, the scale of errors; else empty
   Eigen::VectorXd tau_b;   // S^T u - h

@@ -80,8 +80,7 @@ PLAIN void free(void* p) noexcept {
 }  // extern "C"
 
 #if defined(__SANITIZE_ADDRESS__)
-// The sanitizer's operator new does not call malloc. Each call is forwarded, so that the sanitizer still checks the
-// matching delete.
+// The sanitizer's operator new does not call malloc. Forwarding each call lets the sanitizer check the matching delete.
 #include <dlfcn.h>
 
 namespace {

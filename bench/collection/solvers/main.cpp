@@ -3,8 +3,7 @@
 //     manycontact_collection --list                        a line "NAME VERSION" per solver
 //     manycontact_collection SOLVER K.mtx b.mtx x.txt      writes x, prints the median time of one solve [us]
 //
-// SOLVER is a name, or NAME:DELTA, which solves K - [0 0; 0 DELTA I] instead, or sparse-ldl:DELTA:STEPS
-// (sparse_ldl.cpp).
+// SOLVER is NAME, NAME:DELTA for K - [0 0; 0 DELTA I] instead of K, or sparse-ldl:DELTA:STEPS (sparse_ldl.cpp).
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,5 @@
-// Our solver, given only the numbers of K: the scheduled L D L^T of manycontact's module sparse in the order
-// leaf-to-root. sparse-ldl:DELTA:STEPS factorizes K - [0 0; 0 DELTA I] and makes STEPS steps of refinement with the
-// residual of K.
+// Our solver, given K alone: manycontact's scheduled L D L^T in the order leaf-to-root. sparse-ldl:DELTA:STEPS
+// factorizes K - [0 0; 0 DELTA I] and makes STEPS steps of refinement with the residual of K.
 
 #include <algorithm>
 #include <numeric>

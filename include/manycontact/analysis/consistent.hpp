@@ -6,10 +6,10 @@
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
 //
 // Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
-// contacts. Redundant contacts are allowed. The iteration for q is Gauss-Newton's method with the least step in the
+// contacts, which may be redundant. The iteration for q is Gauss-Newton's method with the least step in the
 // mass-weighted norm. While |e| does not decrease, the contacts are damped (Levenberg-Marquardt): -delta I replaces 0.
-// The computation of v is that of an impact (simulation/switch.hpp). |e| adds metres and radians with equal weights.
-// Joint limits are ignored.
+// v is computed as for an impact (simulation/switch.hpp). |e| adds metres and radians with equal weights. Joint limits
+// are ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"

@@ -53,9 +53,8 @@ std::string in_words(const Unbalanced& unbalanced);
 /// Smaller rates of J v due to rotating rows are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
-/// A 1D or 2D contact whose rows rotate while its point moves across them: its rows are in local axes and body A
-/// rotates, or they are in world axes and B' rotates. J a + a0 = 0 then does not keep J v constant, because it
-/// constrains the acceleration of A seen from B'.
+/// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
+/// in world axes with a rotating B'. J a + a0 = 0, the acceleration of A seen from B', then does not keep J v constant.
 struct TurningRows {
   int contact = 0;
   double rate = 0;  // m/s^2: rate of J v in `solve` (J a + a0 = 0) with gains of zero
@@ -115,14 +114,12 @@ struct LimitPassed {
   double value = 0, limit = 0;
 };
 
-/// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0 means no limit, since files contain
-/// 0 if the limit is unknown. Equal lower and upper limits are limits. Throws std::invalid_argument for wrong sizes.
-/// Thread-safe.
+/// Lists exceeded limits at q (nq), v (nv), u (nu). Velocity or effort limits of 0 are ignored, as files use 0 for
+/// unknown. Equal lower and upper limits are limits. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                        const ConstVectorRef& u);
 
-/// The difference between a contact's acceleration and the required one: |J a + a0 + delta f| for its linear and
-/// angular rows.
+/// The deviation of a contact's acceleration from the required one: |J a + a0 + delta f| of linear and angular rows.
 struct Contradiction {
   int contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
@@ -133,8 +130,7 @@ struct Contradiction {
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
 /// Finds the coordinates without joint-space inertia, armature included, of a robot at q (its nq): their pivots in the
-/// leaf-to-root elimination are rounding errors. Throws std::length_error if the tree is too deep for the joint-space
-/// inertia.
+/// leaf-to-root elimination are rounding errors. Throws std::length_error for trees too deep for that inertia.
 std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.

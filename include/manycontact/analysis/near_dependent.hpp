@@ -41,8 +41,8 @@ struct NearDependent {  // Nearly dependent rows of an island, and the solution 
   int coordinate = -1;    // the coordinate of v whose acceleration changes most without the rows
   double acceleration = 0, without = 0;  // acceleration of this coordinate with and without the rows [m/s^2, rad/s^2]
 };
-/// Lists the islands with nearly dependent rows after a solve at q (nq). Costs one solve of the scene at rest per
-/// island. Throws std::logic_error before a solve.
+/// Lists islands with nearly dependent rows after a solve at q (nq), at the cost of a solve of the scene at rest each.
+/// Throws std::logic_error before a solve.
 std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 /// Describes the effect: "the other rows leave 4e-06 of it, forces are 1e+05 times the loads; without, r/knee would
 /// accelerate by 3 instead of 0". The rows are named by the entries `rows` of force_names(scene, data).

@@ -54,14 +54,12 @@ struct Goal {
 
 /// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
 /// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Other incomplete
-/// angles are those of rpy, which are singular at a pitch of pi/2. frame: a frame of a robot, from find_frame or
-/// attach.
+/// angles are those of rpy, singular at a pitch of pi/2. frame: of a robot, from find_frame or attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);
 /// A goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown robot.
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot = "", double weight = 1);
-/// A goal for the position of a joint with one coordinate [rad, m], such as "r0/knee". Throws std::invalid_argument for
-/// others.
+/// A goal for the position of a one-coordinate joint [rad, m], "r0/knee". Throws std::invalid_argument for others.
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight = 1);
 /// A goal that a contact of the scene, active or not, is in place. Throws std::invalid_argument for an unknown name.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
@@ -95,9 +93,8 @@ PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector
                   const PlaceOptions& options = {});
 
 /// Computes the q required by the <pose> elements of a scene file, starting from the file's q. With consistent="true",
-/// it also brings active contacts into place whose B' is in the file; contacts without B' are constrained at the
-/// placement found. Adds a finding of kind "pose" that states what moved. Throws InputError for the worst pose if they
-/// cannot all be met within the limits.
+/// it also brings active contacts into place whose B' is in the file; others are constrained at the placement found.
+/// Adds a finding of kind "pose" that states what moved. Throws InputError for the worst pose that cannot be met.
 void place(SceneFile& file);
 
 /// Computes the references of a task's terms that are given as poses, from the scene's q; see fit_state in

@@ -28,9 +28,8 @@ struct RankChange {        // A change of rank of an island.
                         // -1: the island is too large
 };
 
-/// Lists the islands whose rank changes at q (nq), the configuration of the last solve. Islands with independent rows,
-/// damping, or a failed solve are left out. Takes a few solves of the scene at rest. Throws std::logic_error before a
-/// solve.
+/// Lists the islands whose rank changes at q (nq), the configuration of the last solve, except islands with independent
+/// rows, damping, or a failed solve. Costs a few solves of the scene at rest. Throws std::logic_error before a solve.
 std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 }  // namespace manycontact

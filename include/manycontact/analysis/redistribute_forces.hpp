@@ -1,12 +1,10 @@
 #pragma once
-// Computes other contact forces for the same motion. If contacts are redundant, the forces f of a solve are one choice:
-// every
+// Other contact forces for the same motion. If contacts are redundant, the forces f of a solve are one choice: every
 //
 //     f + N y,    J^T N = 0,
 //
 // causes the same accelerations. The columns of N are a basis of the null space of J^T. These functions compute N, and
-// the forces that are closest to given ones. For conditions such as friction cones, find y with N in a quadratic
-// program.
+// the forces closest to given ones. For conditions such as friction cones, find y with N in a quadratic program.
 
 #include <Eigen/SparseCore>
 

@@ -5,8 +5,7 @@
 
 namespace manycontact {
 
-/// An error in an input file: its place, the fault, and what was expected. what() is exactly "FILE:LINE: message", on
-/// one line for any input.
+/// An error in an input file, and what was expected. what() is "FILE:LINE: message", on one line for any input.
 struct InputError : std::runtime_error {
   InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 

@@ -22,13 +22,13 @@
 // the step may be doubled (the limit is a = 1, b = 3/2).
 //
 // With RK4, larger gains do not reduce it. Its inner stages violate the contact by O(h^2) s, where s is the contact's
-// curvature times velocity squared, and the gains respond to that. A constraint error of about (h omega)^2 h^2 s
-// remains, of order 2 instead of 4 (Prothero and Robinson, Math. Comp. 28, 1974). At half the stable step this error is
-// a hundred times that at h omega = 1/10. Smaller gains gain little if errors have other causes (damping, the initial
-// state), and let these decay slowly.
+// curvature times velocity squared, and the gains respond to that. An error of about (h omega)^2 h^2 s remains, of
+// order 2 instead of 4 (Prothero and Robinson, Math. Comp. 28, 1974), a hundred times larger at half the stable step
+// than at h omega = 1/10. Smaller gains gain little, and let errors of other causes (damping, the initial state) decay
+// slowly.
 //
-// These gains are meant for integration errors. An initial error e causes an acceleration alpha e at once. If e is
-// large, use the gains of a larger step.
+// These gains are meant for integration errors. For a large initial error e, which causes an acceleration alpha e at
+// once, use the gains of a larger step.
 
 #include "manycontact/simulation/integrator.hpp"
 
@@ -44,8 +44,7 @@ Gains recommended_gains(Integrator integrator, double h);
 /// Returns the spectral radius of the map, by which |e| is multiplied per step in the long run. It is 1 without gains.
 double error_growth(Integrator integrator, const Gains& gains, double h);
 
-/// Returns the largest step h [s] for which error_growth is at most 1: infinite without gains, 0 if the gains
-/// themselves are unstable.
+/// Returns the largest step h [s] with error_growth of at most 1: infinite without gains, 0 for unstable gains.
 ///
 ///     semi-implicit Euler: 4 / (beta + sqrt(beta^2 + 4 alpha))
 ///     RK4: the smallest h with |R(hL)| = 1, with a relative error of 1e-9

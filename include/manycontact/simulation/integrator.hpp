@@ -4,8 +4,8 @@
 
 namespace manycontact {
 
-/// Time stepping schemes with step h for dq/dt = v (in each joint's own frame), dv/dt = a(q, v, u). u is constant
-/// during a step.
+/// Time stepping schemes with step h for dq/dt = v (in each joint's own frame), dv/dt = a(q, v, u), u constant per
+/// step.
 enum class Integrator {
   kSemiImplicitEuler,  // v+ = v + h a_free plus an impulse of the contacts, q+ = q (+) h v+; one solve, order 1
   kRk4,                // Runge-Kutta-Munthe-Kaas; four solves, order 4

@@ -8,8 +8,7 @@
 //
 // x is the velocity at the end of the step, in the body axes at its start. Joints move by h x. The axes of free joints
 // rotate with their bodies, and these move by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. Adding one velocity to
-// all bodies changes nothing else. For joints with fixed axes s = -v / h, and the right-hand side is M v + h (tau -
-// ID(q, v, 0)).
+// all bodies changes nothing else. With fixed axes s = -v / h, and the right-hand side is M v + h (tau - ID(q, v, 0)).
 //
 // tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Dampers and PD laws act
 // with their force at the end of the step, for any h. A spring of stiffness k between masses m adds h^2 k to M along
@@ -33,14 +32,12 @@
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
 // All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size, and joint friction is
-// smoothed as in solve. v is expressed in the body's frame already and needs no correction. The truncation of the
-// series changes a step by O(h^5), as the scheme itself does. Without the brackets, floating bases and planar joints
-// have order 2 only.
+// smoothed as in solve. v is expressed in the body's frame already and needs no correction. The truncated series
+// changes a step by O(h^5), as the scheme does. Without the brackets, floating bases and planar joints have order 2.
 //
 // If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
 // constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps, less with shorter
-// steps. The scene's damping bounds the impulse. It causes a contact acceleration of damping times force, which changes
-// the energy, too.
+// steps. Damping bounds the impulse, at the cost of contact accelerations of damping times force.
 //
 // Contacts constrain J v, also where the rows of a 1D or 2D contact rotate while its point moves across them (local
 // axes of a body that rotates). J a + a0 = 0 of solve, Crocoddyl's formula, does not keep J v constant there
@@ -69,8 +66,8 @@ enum class StepStatus {
   kTooFast,       // a velocity after the step exceeds SimulationData::velocity_limit
 };
 
-/// The scene at rest, with its workspace, for solves that prescribe velocities instead of accelerations (semi-implicit
-/// Euler, impacts). It has no gravity, bias, external wrenches and springs, and its gains convert placement errors to
+/// The scene at rest, with workspace, for solves that prescribe velocities instead of accelerations (semi-implicit
+/// Euler, impacts): without gravity, bias, external wrenches and springs. Its gains convert placement errors to
 /// velocities.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // copies `scene` without gravity
@@ -107,8 +104,8 @@ struct StepWork {
 };
 
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
-  /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless h is finite
-  /// and positive.
+  /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless 0 < h <
+  /// inf.
   SimulationData(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, Integrator integrator, double h,
                  const Options& options = {});
 
@@ -160,10 +157,9 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 /// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
 [[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
-/// The rows of data.f of a contact, given by name or number: the force that it exerted on A in the last step, in its
-/// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for a contact
-/// that does not exist, and suggests the nearest name. Throws std::logic_error for a contact that was not active, and
-/// before the first step.
+/// Returns the rows of data.f of a contact, given by name or number: the force on A in the last step, in the contact's
+/// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for an unknown
+/// contact, std::logic_error for a contact that was not active, and before the first step.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
                                                         const std::string& contact);
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact);

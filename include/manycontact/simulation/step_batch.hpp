@@ -13,12 +13,11 @@
 
 namespace manycontact {
 
-/// Simulations of one scene, of which only the numbers may change, as in `solve`. Only one batch function may use them
-/// at a time.
+/// Simulations of one scene, of which only the numbers may change. Only one batch function may use them at a time.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
-  /// takes as many as OpenMP offers. Throws std::invalid_argument for wrong sizes or a wrong number of threads, and
-  /// unless h is finite and positive.
+  /// takes as many as OpenMP offers. Throws std::invalid_argument for wrong sizes or numbers of threads, and unless 0 <
+  /// h < inf.
   SimulationBatch(const Scene& scene, const ConstBatchRows& q, const ConstBatchRows& v, Integrator integrator, double h,
                   int threads = 0, const Options& options = {});
 
@@ -44,8 +43,7 @@ struct SimulationBatch {
 /// sizes, before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
-/// Continues state k from q (nq), v (nv). The others are not changed. Throws std::invalid_argument for a wrong size or
-/// number.
+/// Continues only state k from q (nq), v (nv). Throws std::invalid_argument for a wrong size or number.
 void set_state(const Scene& scene, Eigen::Index k, const ConstVectorRef& q, const ConstVectorRef& v,
                SimulationBatch& batch);
 

@@ -62,8 +62,7 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// Returns the number of states per block: as many as fit in 64 MB, from 1 to 4096. Processes that share the states get
-// at least four blocks each.
+// Returns the number of states per block: what fits in 64 MB, 1 to 4096, and at least four blocks per process.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());

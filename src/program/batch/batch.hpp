@@ -8,8 +8,7 @@
 
 namespace manycontact::cli {
 
-/// Communication between the processes of a run, here of a single one; with MPI: mpi_main.cpp. All processes make the
-/// same calls in the same order.
+/// The communication of a run of one process; for several: mpi_main.cpp. All make the same calls in the same order.
 class Communicator {
  public:
   virtual ~Communicator() = default;

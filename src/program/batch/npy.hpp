@@ -15,8 +15,7 @@ std::string npy_header(const std::vector<std::int64_t>& shape);
 
 class NpyInput {
  public:
-  /// Opens a file of version 1.0 or 2.0 with two or three dimensions and the size its header requires. Throws
-  /// InputError.
+  /// Opens a file of version 1.0 or 2.0 with two or three dimensions. Throws InputError, also for a wrong size.
   explicit NpyInput(const std::string& path);
   ~NpyInput();
   NpyInput(const NpyInput&) = delete;

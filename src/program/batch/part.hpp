@@ -17,9 +17,8 @@ struct ScenePart {
   int own_nf = 0;
 };
 
-/// Returns part `number` of `parts`: consecutive islands of the scene, with active contacts only. All parts have about
-/// as many velocities and forces; an island with a contact on another robot's fixed base goes with that robot's island.
-/// A part may be empty.
+/// Returns part `number` of `parts`, with active contacts only. Parts are consecutive islands of about equal total
+/// size. An island with a contact on another robot's fixed base goes with that robot's island. A part may be empty.
 ScenePart part_of(const Scene& scene, int number, int parts);
 
 /// Copy the part's numbers from those of the whole scene (take), and back (put).

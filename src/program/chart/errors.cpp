@@ -62,8 +62,7 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of the rows [a; f] and columns [q | v | u] of an island in those of the solution's island. This is the same
-// island, or with dense-schur the whole scene.
+// Indices of an island's rows [a; f] and columns [q | v | u] in the solution's island: itself, or the whole scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

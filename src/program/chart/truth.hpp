@@ -13,9 +13,8 @@ struct ChartTruth {
   Eigen::VectorXd a_free;     // accelerations without contacts
   std::vector<char> at_rest;  // one entry per robot: a nearly vanishes, and errors are relative to a_free
 
-  // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island). These
-  // are the unit vectors, or four random ones in each of q, v, u. first[k] is the first direction of q, v, u; the last
-  // entry is one past the end.
+  // Derivatives of [a; f] per island along the columns of `along` (rows [q | v | u]): unit vectors, or four random ones
+  // in each of q, v, u. first[k] is the first direction of q, v, u; the last entry is one past the end.
   struct OfIsland {
     Island island;  // island of the active contacts
     Eigen::MatrixXd along;

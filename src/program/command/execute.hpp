@@ -18,8 +18,7 @@ struct Printed {
   std::string text;
   int status = -1;
 };
-/// Runs the program words[0] with `input` on its standard input, and returns its standard output. silent: standard
-/// error is discarded.
+/// Runs the program words[0] with `input` as standard input, and returns its output. silent: discards standard error.
 Printed run_and_read(const std::vector<std::string>& words, const std::string& input = "", bool silent = false);
 
 /// If the address space is limited (ulimit -v), restarts this program without OpenBLAS threads, which would otherwise

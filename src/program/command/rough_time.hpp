@@ -1,7 +1,6 @@
 #pragma once
-// Measured times of calls, and predicted times of dense methods, to a factor of about three on current machines. The
-// predictions serve only to skip calls that would take too long, which sparse methods never do. Predicted costs
-// (kkt/choose.hpp) are relative; these are us.
+// Measured times of calls, and predicted times of dense methods, to a factor of about three on current machines, used
+// only to skip calls that would take too long. These are us; predicted costs (kkt/choose.hpp) are relative.
 
 #include <chrono>
 

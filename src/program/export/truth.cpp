@@ -39,8 +39,7 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// Repeats x <- x + (LU)^-1 (b - K x), with residuals in quadruple precision, until corrections no longer shrink.
-// Returns the sizes of the smallest one.
+// Repeats x <- x + (LU)^-1 (b - K x), residuals in quadruple precision, while corrections shrink; returns the smallest.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());

@@ -15,8 +15,7 @@ class CsvReader {
   /// not closed, or there is no column t.
   explicit CsvReader(const std::string& path);
 
-  /// Reads the next row; returns false at the end. Throws InputError for a wrong number of cells, or a t that does not
-  /// increase.
+  /// Reads the next row; false at the end. Throws InputError for a wrong number of cells, or if t does not increase.
   bool next();
   double t() const { return t_; }  // time of the row; -infinity before the first [s]
   /// Returns a cell of the row. Throws InputError if it is not a finite number.

@@ -1,6 +1,5 @@
 #pragma once
-// Torques on the joints during a simulation: those of the scene, torques over time from a file, and a PD law towards a
-// reference over time.
+// Joint torques during a simulation: the scene's, or over time from a file, and a PD law towards a reference over time.
 
 #include <optional>
 
@@ -34,13 +33,12 @@ class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Reads columns "u:r0/knee", constant until the next row. Joints without a column, and all joints before the first
-  /// row, have the scene's torque.
+  /// Reads columns "u:r0/knee", constant until the next row. The scene's torques are used before, and without a column.
   void read_torques(const std::string& path);
   /// Sets a PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the
   /// velocity is the slope of q:; without both, the reference is the scene's q at rest. `gains` is "kp kd; r0/knee kp
-  /// kd; ...", the first pair for all joints that are not named. Throws UsageError, and InputError if an actuated joint
-  /// has several coordinates.
+  /// kd; ...", the first pair for joints not named. Throws UsageError; InputError for an actuated joint of several
+  /// coordinates.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);

@@ -20,8 +20,7 @@ void check_page_parts();
 template <class T>
 std::string base64_of(const std::vector<T>& list);
 
-/// Returns the robots, the shapes of their bodies and the meshes. Missing files are listed in `notes`, the mesh files
-/// that were read in `read`.
+/// Returns the robots, their bodies' shapes and the meshes. Lists missing files in `notes`, mesh files in `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
 /// Adds the last state as a frame.

@@ -79,8 +79,7 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Returns the end of a body that carries no others: its farthest frame. If the centre of mass is farther out, the point
-// at twice its distance.
+// Returns the end of a leaf body: its farthest frame, or the point at twice the centre of mass if this is farther out.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[joint].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();

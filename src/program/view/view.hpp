@@ -1,6 +1,5 @@
 #pragma once
-// Common parts of `manycontact view`, `simulate --view` and `optimize --view`: a motion recorded frame by frame, and
-// the page that shows it.
+// Common parts of `manycontact view`, `simulate --view`, `optimize --view`: a motion recorded by frames, and its page.
 
 #include <optional>
 
@@ -24,8 +23,7 @@ struct ViewState {
 
 /// The data that the page draws, one frame after the other.
 struct Recording {
-  /// Records at most `rate` frames per second. The scene outlives the recording. Throws std::runtime_error if the build
-  /// cannot make pages.
+  /// Records `rate` frames per second at most. The scene outlives it. Throws std::runtime_error if no page can be made.
   explicit Recording(const Scene& scene, double rate = 50);
 
   const Scene* scene;

@@ -1,6 +1,5 @@
 // usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...] runs random cases for SECONDS from FIRST_SEED on.
-// Faults are shrunk and kept in FOLDER, one folder a fault. Exit 1 if a fault was found. --auto uses only the method
-// auto, in every precision.
+// Keeps shrunk faults in FOLDER, one folder each, and exits with 1 if there are any. --auto: only the method auto.
 
 #include <chrono>
 #include <cstdio>
