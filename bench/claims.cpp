@@ -1,5 +1,3 @@
-// The claims about speed, and the ratios that test them.
-
 #include "claims.hpp"
 
 #include <cstdio>
@@ -84,7 +82,7 @@ constexpr Claim kClaims[] = {
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
 
-// Exponents of growth with the number of robots. Times are divided by this number first.
+// Exponents of time in the number of robots; the names of the times are `before`, this number, `after`.
 struct Growth {
   const char *what, *before, *after, *wanted;
 };

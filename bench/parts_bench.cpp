@@ -1,5 +1,4 @@
-// Times the parts of one solve on one robot with both feet fixed in 6D. `ldl_numeric`, SuiteSparse's plain one on the
-// same K, is the unit of quoted ratios.
+// Times the parts of a solve on one robot, both feet fixed in 6D. `ldl_numeric` (SuiteSparse) is the unit of ratios.
 
 #include <benchmark/benchmark.h>
 

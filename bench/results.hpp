@@ -10,8 +10,8 @@ namespace manycontact::bench {
 struct Result {
   std::string name;        // sweep/SCENE/SIZE/TASK, parts/TASK, ...
   double us = 0;           // least of the repetitions' means
-  double bytes = 0;        // on the heap after the first call; 0: not measured
-  double difference = -1;  // largest, of accelerations from ours, relative to our largest; negative: not compared
+  double bytes = 0;        // heap memory after the first call; 0: not measured
+  double difference = -1;  // largest deviation of accelerations from ours, relative to ours; negative: not compared
 };
 
 struct Run {

@@ -20,8 +20,7 @@ std::string robot_frames();
 
 /// Returns `count` measured robots in a circle, feet fixed in 6D; hand in hand: a closed ring by 6D contacts.
 Posed robots(int count, bool hand_in_hand = false);
-/// Returns one measured robot on `points` 3D points of its two soles; the second and later ones of a sole are
-/// redundant.
+/// Returns one measured robot on `points` 3D points of its soles; all but the first point of a sole are redundant.
 Posed on_points(int points);
 /// Returns 16 quadrupeds of models/, of whose 64 point feet `held` are fixed.
 Posed herd_on_feet(int held);

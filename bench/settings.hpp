@@ -17,7 +17,6 @@ struct Settings {
 /// Removes our options (--robot, --feet, --hands, --quick, ...) from argv. Throws std::invalid_argument.
 Settings parse(int& argc, char** argv);
 
-/// Returns the settings that main received.
 Settings& settings();
 
 /// Registers benchmarks after the command line was read.

@@ -1,5 +1,4 @@
-// Our tasks: solve, all derivatives after it, their product w^T [da; df], set-up, a robot's algorithms, FDDP's
-// iteration.
+// Our tasks: solve, all derivatives after it, w^T [da; df], set-up, a robot's algorithms, and an iteration of FDDP.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"

@@ -86,7 +86,6 @@ void print(const Peaks& peaks, const Entry& e) {
               percent(e.bytes / e.least, peaks.memory, "in caches").c_str());
 }
 
-// A scene and the workspace of a call.
 struct Work {
   explicit Work(Posed scene) : s(std::move(scene)), data(s.scene) {}
   void solve() { (void)manycontact::solve(s.scene, s.q, s.v, s.u, data); }

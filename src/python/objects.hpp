@@ -1,5 +1,4 @@
 #pragma once
-// Declarations that the files of the bindings share.
 
 #include <pybind11/stl.h>
 
@@ -19,7 +18,7 @@ namespace manycontact::python {
 /// Keeps a Python object alive for C++, which may release it in any thread.
 std::shared_ptr<void> keep(py::handle object);
 
-/// Returns `threads`, or OpenMP's number for 0. Throws ValueError for more threads than a machine can start.
+/// Returns `threads`, 0 for OpenMP's number. Throws ValueError for more than 1024.
 int checked_threads(int threads);
 
 /// Returns the output of operator<<, for __str__.
@@ -30,8 +29,7 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// Adds a member matrix of constant size as a property: an array on it, which keeps the object; assignment writes to
-/// it.
+/// Adds a member matrix of constant size as a property: an array on its memory, which assignment writes into.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(

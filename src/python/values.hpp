@@ -1,6 +1,5 @@
 #pragma once
-// Plain structures as Python values: copied, compared and pickled by member. Pickling raises for members such as
-// functions.
+// Plain structures as Python values: copied, compared and pickled by member. Members that are functions do not pickle.
 
 #include <cmath>
 #include <optional>

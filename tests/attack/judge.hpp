@@ -1,5 +1,4 @@
 #pragma once
-// Judges every method of the library on a case, by the reference.
 
 #include <string>
 #include <vector>
@@ -37,7 +36,7 @@ struct Finding {
 struct Judgement {
   std::vector<Finding> findings;
   bool judged = false;                   // whether anything in the case could be judged
-  std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
+  std::vector<double> bound_over_error;  // ratios for a and f of each island, if the bound is below 1
 };
 
 /// Judges all properties of a case but impacts. Its files are written into `folder`.

@@ -1,5 +1,4 @@
-// Mechanisms with redundant constraints. Hinges are placed by a distance along x and a twist about it
-// (Denavit-Hartenberg).
+// Mechanisms with redundant constraints. Hinges are placed by lengths and twists along x (Denavit-Hartenberg).
 
 #include <cmath>
 #include <numbers>

@@ -1,7 +1,7 @@
 #pragma once
 // Solves a case in quadruple precision with Newton and Euler's equations and a decomposition of J^T. J comes from
-// velocities, M from forces, derivatives from dual numbers: every step differs from the library's and uses no code of
-// it.
+// velocities, M from forces, derivatives from dual numbers: every step differs from the library's, and no code is
+// shared.
 
 #include <algorithm>
 #include <memory>
@@ -22,8 +22,8 @@ struct Answer {  // the solution for one rank of J
   int rank = 0;
   bool regular = false;
   Column a, f;
-  double condition = 0;          // of K, 1-norm
-  std::vector<Balance> balance;  // per island
+  double condition = 0;          // 1-norm condition of K
+  std::vector<Balance> balance;  // one entry per island
   double terms = 0;              // largest over islands
 };
 
@@ -48,7 +48,7 @@ class Reference {
   const Matrix& M() const { return M_; }
   const Matrix& J() const { return J_; }
   double free_size() const;                     // size of M^-1 b1, without contacts; 0 where M is singular
-  double load() const { return largest(b1_); }  // of forces without contacts
+  double load() const { return largest(b1_); }  // largest generalised force without contacts
   double largest_J() const { return std::max(largest(J_.x), 1e-300); }
 
   const Answer& at(int rank);

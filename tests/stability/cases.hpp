@@ -17,7 +17,6 @@ struct Case {
   bool demanded = false;          // all methods but dense-schur must solve it, accelerations to 1e-9
 };
 
-/// Collects the cases of one cause.
 struct Cases {
   std::string cause;
   std::vector<Case> list;

@@ -10,8 +10,8 @@ struct Condition {
   double product() const { return K * inverse; }
 };
 
-/// Computes the condition from the whole inverse. If delta = 0 and rows of J are dependent, this is the generalised
-/// inverse K^+ that is orthogonal to the null space of J^T. The condition is infinite if there is none.
+/// Computes the condition from the whole inverse, or, if delta = 0 and rows of J are dependent, from the generalised
+/// inverse K^+ that is orthogonal to the null space of J^T. It is infinite if there is no inverse.
 Condition condition(const IslandSystem<Quad>& system, double delta, int rank);
 
 /// Returns a lower bound, nearly always within a factor 3, for systems too large for the whole inverse, from Eigen's LU

@@ -12,8 +12,7 @@
 namespace manycontact::test {
 
 // Up to this condition, the quadruple-precision truth, with an error of eps_quad times the condition, is more accurate
-// than double's eps. Beyond, extended solutions with different factors agree better with each other than with the
-// truth.
+// than double's eps. Beyond, extended solutions agree better with each other than with the truth.
 inline constexpr double kTrueCondition = 1e15;
 
 enum class Outcome {
@@ -33,8 +32,7 @@ enum class Outcome {
 inline constexpr char kLetters[] = "erofDIGd-WM.";
 inline char letter(Outcome outcome) { return kLetters[static_cast<int>(outcome)]; }
 
-/// Returns the letters with 'a' for e, r, o and f: rounding errors may change how a solution was found, but not
-/// whether.
+/// Returns the letters with 'a' for e, r, o, f: rounding errors may change how, but not whether, a solution is found.
 std::string classes(const std::string& letters);
 /// Whether two rows of classes agree. 'd' agrees with any solution, since rounding errors decide refusals, too.
 bool agree(const std::string& classes, const std::string& others);
@@ -52,7 +50,7 @@ struct Cell {
 
 struct Row {
   const Case* which = nullptr;
-  bool truth = false;        // truth exists
+  bool truth = false;        // whether the truth exists
   bool derivatives = false;  // derivatives are known too
   std::vector<Cell> cells;   // as in judged_ways()
 

@@ -53,7 +53,6 @@ Problem turned(Problem p);
 void move_within_contacts(Problem& p, double size = 0.3);
 /// Puts one joint of robot r at an angle.
 void bend(Problem& p, const std::string& joint, double angle);
-/// Changes the model of robot r.
 void edit(Problem& p, const std::function<void(Model&)>& change, int robot = 0);
 void scale(Inertia<double>& Y, double factor);
 

@@ -19,7 +19,6 @@ std::string page_path();
 std::string errors_path();
 /// Returns a line per case and precision, for auto: precision used, condition, errors of a and f relative to bounds.
 std::string errors_by_precision(const std::vector<Row>& rows);
-/// Returns the page for these causes and rows.
 std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& causes);
 /// Returns the letters on the committed page, by cause and case.
 std::map<std::string, std::map<std::string, std::string>> read_page();

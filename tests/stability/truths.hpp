@@ -39,7 +39,7 @@ struct Truths {
   std::vector<IslandTruth> islands;   // in the order of find_islands
   std::vector<RobotPlaces> robots;    // of the scene
   std::vector<Direction> directions;  // one of each kind; none where no derivatives are known (derivatives.hpp)
-  int rank = 0, rows = 0;             // of J, over all islands
+  int rank = 0, rows = 0;             // rank and rows of J, over all islands
   // least residual of J a + a0, relative to its terms, and to gravity or its terms; -1: the problem is too large
   double contradiction = -1, contradiction_over_gravity = -1;
   Eigen::VectorXd a_free;  // where a or v vanishes: accelerations without contacts, the scale of errors; else empty

@@ -43,8 +43,8 @@ std::size_t allocations(Work&& work) {
   return allocation_count() - before;
 }
 
-/// During its lifetime this thread's k-th allocation (from 0) fails (null, or a throw of new); `all_after`: later ones
-/// too.
+/// During its lifetime this thread's k-th allocation (from 0) fails, with `all_after` the later ones too. malloc
+/// returns null, new throws.
 class FailingAllocation {
  public:
   FailingAllocation(long k, bool all_after);

@@ -12,7 +12,6 @@ Eigen::MatrixXd solved(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 /// A below `threshold` times the largest are zero; 0: Eigen's own choice.
 Eigen::MatrixXd least_norm(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double threshold = 0);
 
-/// Returns A^-1, from LU.
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A);
 
 /// Returns the rank from QR with pivoting: values below `threshold` times the largest are zero.

@@ -8,7 +8,6 @@ namespace manycontact::test {
 
 namespace {
 
-// Returns the larger number; NaN if either is.
 double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }

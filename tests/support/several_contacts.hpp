@@ -34,8 +34,7 @@ inline RandomScene random_boxes(std::mt19937& rng) {
   return s;
 }
 
-/// Returns up to three trees of hinges, at rest, with two to eight closed contacts on few links, or between two of
-/// them.
+/// Returns up to three trees of hinges, at rest, with two to eight closed contacts, to the world or between few links.
 inline RandomScene random_hinges(std::mt19937& rng) {
   RandomScene s;
   const int robots = integer(rng, 1, 3);

@@ -6,10 +6,9 @@
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
 //
 // Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
-// contacts, which may be redundant. The iteration for q is Gauss-Newton's method with the least step in the
-// mass-weighted norm. While |e| does not decrease, the contacts are damped (Levenberg-Marquardt): -delta I replaces 0.
-// v is computed as for an impact (simulation/switch.hpp). |e| adds metres and radians with equal weights. Joint limits
-// are ignored.
+// contacts. These may be redundant. q is iterated by Gauss-Newton's method with the least step in the mass-weighted
+// norm. While |e| does not decrease, the contacts are damped (Levenberg-Marquardt): -delta I replaces 0. v is computed
+// as for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"

@@ -139,9 +139,9 @@ struct MasslessJoint {
   std::string why;    // no mass below it, or a missing moment of inertia, or no inertia left by the joints below
 };
 
-/// Lists the massless joints, each once, of all robots in islands that failed for lack of inertia. For trees too deep
-/// for a joint-space inertia, only joints without mass below them are found. Call it after solve at q (nq); throws
-/// std::logic_error before.
+/// Lists each massless joint of the robots in islands that failed for lack of inertia; in trees too deep for a
+/// joint-space inertia, only joints without mass below them. Call it after solve at q (nq); throws std::logic_error
+/// before.
 std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

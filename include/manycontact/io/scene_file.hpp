@@ -66,8 +66,7 @@ struct SceneFile {  // A scene, its state, and the elements of the file that def
 /// and v are those of the file, even if it requests poses or a consistent state: load_scene (analysis/load_scene.hpp)
 /// computes these. Throws InputError. Thread-safe.
 SceneFile read_scene(const std::string& path);
-/// Does the same for XML text in UTF-8, whatever encoding it declares, as if it were the file `path`, which need not
-/// exist.
+/// Does the same for UTF-8 XML text, whatever encoding it declares, as if from a file `path`, which need not exist.
 SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

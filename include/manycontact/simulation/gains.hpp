@@ -21,11 +21,10 @@
 // With Euler, larger gains reduce the constraint error up to the deadbeat gains. The recommended gains leave a margin:
 // the step may be doubled (the limit is a = 1, b = 3/2).
 //
-// With RK4, larger gains do not reduce it. Its inner stages violate the contact by O(h^2) s, where s is the contact's
-// curvature times velocity squared, and the gains respond to that. An error of about (h omega)^2 h^2 s remains, of
-// order 2 instead of 4 (Prothero and Robinson, Math. Comp. 28, 1974), a hundred times larger at half the stable step
-// than at h omega = 1/10. Smaller gains gain little, and let errors of other causes (damping, the initial state) decay
-// slowly.
+// With RK4, larger gains do not reduce the error. The inner stages violate the contact by O(h^2) s, where s is the
+// contact's curvature times velocity squared, and the gains respond to that. An error of about (h omega)^2 h^2 s
+// remains, of order 2 instead of 4 (Prothero and Robinson, Math. Comp. 28, 1974), a hundred times larger at half the
+// stable step than at h omega = 1/10. Smaller gains gain little, and let other errors (initial, damping) decay slowly.
 //
 // These gains are meant for integration errors. For a large initial error e, which causes an acceleration alpha e at
 // once, use the gains of a larger step.

@@ -4,8 +4,7 @@
 
 namespace manycontact {
 
-/// Time stepping schemes with step h for dq/dt = v (in each joint's own frame), dv/dt = a(q, v, u), u constant per
-/// step.
+/// Time stepping schemes with step h for dq/dt = v (in joint frames), dv/dt = a(q, v, u); u is constant in a step.
 enum class Integrator {
   kSemiImplicitEuler,  // v+ = v + h a_free plus an impulse of the contacts, q+ = q (+) h v+; one solve, order 1
   kRk4,                // Runge-Kutta-Munthe-Kaas; four solves, order 4

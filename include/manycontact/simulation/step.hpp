@@ -67,7 +67,7 @@ enum class StepStatus {
 };
 
 /// The scene at rest, with workspace, for solves that prescribe velocities instead of accelerations (semi-implicit
-/// Euler, impacts): without gravity, bias, external wrenches and springs. Its gains convert placement errors to
+/// Euler, impacts). It has no gravity, bias, external wrenches, springs; its gains turn placement errors into
 /// velocities.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // copies `scene` without gravity
@@ -104,8 +104,8 @@ struct StepWork {
 };
 
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
-  /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless 0 < h <
-  /// inf.
+  /// Starts at q (nq), v (nv) with steps of h [s]. Throws std::invalid_argument for wrong sizes, and unless h is finite
+  /// and positive.
   SimulationData(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, Integrator integrator, double h,
                  const Options& options = {});
 

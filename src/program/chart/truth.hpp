@@ -16,7 +16,7 @@ struct ChartTruth {
   // Derivatives of [a; f] per island along the columns of `along` (rows [q | v | u]): unit vectors, or four random ones
   // in each of q, v, u. first[k] is the first direction of q, v, u; the last entry is one past the end.
   struct OfIsland {
-    Island island;  // island of the active contacts
+    Island island;
     Eigen::MatrixXd along;
     MatX<Quad> derivatives;
     int first[4] = {0, 0, 0, 0};

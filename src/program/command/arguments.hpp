@@ -14,7 +14,6 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// An option of a command.
 struct Option {
   std::string name;   // the name with its dashes
   std::string value;  // the placeholder of its value in the usage, empty for a flag

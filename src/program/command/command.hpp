@@ -1,5 +1,4 @@
 #pragma once
-// A command of the program: its arguments, and the function that runs it.
 
 #include <string_view>
 

@@ -15,7 +15,6 @@ class Progress {
 
   /// Shows `done` of `total`; draws at most four times a second, and not in the first quarter of a second.
   void update(double done);
-  /// Updates the progress under a new label.
   void update(double done, const std::string& label);
   void clear();
 

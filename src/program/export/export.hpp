@@ -31,7 +31,6 @@ Options export_options();
 /// is empty if the derivatives are not finite.
 ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool derivatives);
 
-/// A solution in quadruple precision.
 struct ExactSolution {
   MatX<Quad> x;       // empty if it is not known
   double digits = 0;  // correct digits of the worst column, relative to the largest entry of its a and of its f;

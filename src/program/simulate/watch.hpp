@@ -57,7 +57,7 @@ class Watch {
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
-  double least_share_ = 1, share_time_ = 0;  // smallest ratio of the least to the largest singular value, and its time
+  double least_share_ = 1, share_time_ = 0;  // least share of the smallest singular value in the largest, and its time
   double singular_time_ = -1;                // first time of a ratio near zero; -1: never
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;

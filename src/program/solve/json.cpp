@@ -13,7 +13,6 @@ namespace manycontact::cli {
 
 namespace {
 
-// A list of rows.
 Json matrix(const Eigen::MatrixXd& x) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(json_of(Eigen::VectorXd(x.row(i).transpose())));

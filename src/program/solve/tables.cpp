@@ -1,5 +1,3 @@
-// Tables of accelerations and contact forces.
-
 #include <algorithm>
 #include <cmath>
 

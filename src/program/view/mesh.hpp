@@ -1,5 +1,4 @@
 #pragma once
-// Triangle meshes of a URDF's visuals.
 
 #include <array>
 #include <cstdint>
@@ -13,9 +12,9 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Loads the triangles of an STL or OBJ file, in its own unit, or of a COLLADA file, in metres, each with three own
-/// vertices. manycontact-mesh (mesh_main.cpp) reads it, since assimp may crash. Throws InputError, also without that
-/// program.
+/// Loads the triangles, with three vertices of their own, of an STL or OBJ file in its own unit, or of a COLLADA file
+/// in metres. manycontact-mesh (mesh_main.cpp) reads the file, since a malicious one may crash assimp. Throws
+/// InputError, also if that program is missing.
 Mesh load_mesh(const std::string& path);
 
 /// Returns the mesh with at most so many triangles: merges the vertices in each cell of a grid, and leaves out

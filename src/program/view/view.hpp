@@ -45,7 +45,7 @@ struct Recording {
   std::vector<std::uint8_t> flags;                    // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
-  // scratch
+  // workspace
   SceneData dynamics;
   InvariantsData room;
   std::optional<ViewState> pending;  // the last state, if it is not recorded yet
