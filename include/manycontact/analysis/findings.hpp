@@ -140,8 +140,7 @@ struct MasslessJoint {
 };
 
 /// Lists each massless joint of the robots in islands that failed for lack of inertia; in trees too deep for a
-/// joint-space inertia, only joints without mass below them. Call it after solve at q (nq); throws std::logic_error
-/// before.
+/// joint-space inertia, only joints without mass below them. Throws std::logic_error before a solve at q (nq).
 std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

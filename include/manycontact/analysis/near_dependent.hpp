@@ -13,7 +13,7 @@ namespace manycontact {
 /// A row is nearly dependent if its component orthogonal to the preceding rows is less than this share of its norm, but
 /// more than rounding error. Rows that Scene::tolerance makes dependent are not nearly dependent.
 constexpr double kOnlyJust = 1e-3;
-/// If the smallest accepted row is less than this many times the largest rejected row, the rank decision is unreliable.
+/// The rank decision is unreliable if the least accepted residual is below this multiple of the largest rejected one.
 constexpr double kCloseGap = 1e3;
 
 struct RankGap {          // How reliable the rank decision of an island was.

@@ -13,9 +13,9 @@
 namespace manycontact {
 
 /// Computes an orthonormal basis N of the null space of J^T after a solve at q (scene.nq). N has data.f.size() rows and
-/// nc - rank columns per island; it is block diagonal by island. It has no columns for damped islands, whose forces are
-/// unique, and none for failed islands. Each column costs a few solves of the scene at rest. Allocates. Throws
-/// std::logic_error before a solve, std::invalid_argument if q has a wrong size. Thread-safe for distinct data.
+/// nc - rank columns per island; it is block diagonal by island. It has no columns for scenes with damping, which makes
+/// all forces unique, and for failed islands. Each column costs a few solves of the scene at rest. Allocates. Throws
+/// std::logic_error before a solve, std::invalid_argument for a wrong size of q. Thread-safe for distinct data.
 Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 /// Computes the forces f' (data.f.size()) with J^T f' = J^T f that minimise

@@ -8,7 +8,8 @@ namespace manycontact {
 
 /// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts. Returns one
 /// flag per row of data.f. It is 1 if every f with the same J^T f has this component, 0 if the null space of J^T has a
-/// component there or there is no solution. On a door with two ball joints, only horizontal forces are unique.
+/// component there or there is no solution. A door on two ball joints has unique horizontal forces, but the
+/// distribution of its weight is not unique.
 ///
 /// The norm adds squares of newtons and newton metres, weighted by Scene::moment_length. Other weights change the
 /// least-norm forces, but not the unique ones. To choose other forces, see analysis/redistribute_forces.hpp.

@@ -103,7 +103,7 @@ struct TaskFile {  // A task: a scene, phases with contacts, costs and constrain
   int nodes() const;  // number of running nodes, impacts included
 };
 
-/// Reads a task file and its scene; fit_state (analysis/load_scene.hpp) then computes what needs a solver. Throws
+/// Reads a task file and its scene. fit_state (analysis/load_scene.hpp) computes what needs a solver. Throws
 /// InputError, also for the scene's file. Thread-safe.
 TaskFile read_task(const std::string& path);
 

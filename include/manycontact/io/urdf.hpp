@@ -35,8 +35,8 @@ struct UrdfOptions {           // Properties of a robot that are not in its file
                                 // otherwise they are only noted
   std::set<std::string> actuated = {};  // floating joints of the file with torques in u; by default they have none
   std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints with one coordinate only
-  /// The link that replaces the file's root (empty): it is moved by the floating base, or fixed to the world. Joints
-  /// between the two roots are inverted, with a negated axis, so that q, v, torques and limits keep their meaning.
+  /// If not empty, the link that replaces the file's root: it is moved by the floating base, or fixed to the world.
+  /// Joints between both roots are inverted, with a negated axis, so that q, v, torques and limits keep their meaning.
   std::string root = {};
 
   bool operator==(const UrdfOptions&) const = default;

@@ -1,22 +1,20 @@
 #pragma once
-// Stability of stabilisation gains for a step size h. With exact dynamics a contact's error e obeys e'' + beta e' +
-// alpha e = 0 (to first order in e for 6D). An integrator turns this into a linear map of (e, h e') per step. With a =
-// alpha h^2 and b = beta h this map is
+// Stability of stabilisation gains for a step size h. With exact dynamics a contact's error e obeys
 //
-// clang-format off
+//     e'' + beta e' + alpha e = 0      (to first order in e for 6D)
+//
+// An integrator turns this into a linear map of (e, h e') per step. With a = alpha h^2 and b = beta h this map is
+//
 //     semi-implicit Euler   [ 1 - a   1 - b ]    z^2 - (2 - a - b) z + (1 - b) = 0
 //                           [  -a     1 - b ]    stable: 0 < b < 2, 0 < a < 4 - 2b        (Jury)
 //                                                double root z: b = 1 - z^2, a = (1 - z)^2; deadbeat z = 0: a = b = 1
 //     RK4                   R(hL), R(x) = 1 + x + x^2/2 + x^3/6 + x^4/24, L the roots of L^2 + beta L + alpha = 0
 //                                                double root L = -omega: stable for h omega < 2.7853, fastest at 1.5961
-// clang-format on
 //
 // A double root is recommended, since it does not oscillate:
 //
-// clang-format off
 //     semi-implicit Euler   z = 1/2:         alpha = 1/(4 h^2),  beta = 3/(4 h)   e is halved by every step
 //     RK4                   h omega = 1/10:  alpha = omega^2,    beta = 2 omega   e falls to 1/e in ten steps
-// clang-format on
 //
 // With Euler, larger gains reduce the constraint error up to the deadbeat gains. The recommended gains leave a margin:
 // the step may be doubled (the limit is a = 1, b = 3/2).

@@ -37,12 +37,12 @@
 //
 // If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
 // constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps, less with shorter
-// steps. Damping bounds the impulse, at the cost of contact accelerations of damping times force.
+// steps. Damping bounds the impulse, but causes contact accelerations of damping times force, and changes energy, too.
 //
 // Contacts constrain J v, also where the rows of a 1D or 2D contact rotate while its point moves across them (local
 // axes of a body that rotates). J a + a0 = 0 of solve, Crocoddyl's formula, does not keep J v constant there
-// (turning_rows in analysis/findings.hpp). Both integrators do. Gains beta act on J v, and alpha on placement errors of
-// rows that do not rotate like that. After a step of RK4 with such rows `dynamics` has no derivatives.
+// (turning_rows in analysis/findings.hpp). Both integrators keep it. Gains beta act on J v, and alpha on placement
+// errors of rows that do not rotate like that. After a step of RK4 with such rows `dynamics` has no derivatives.
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
@@ -67,8 +67,7 @@ enum class StepStatus {
 };
 
 /// The scene at rest, with workspace, for solves that prescribe velocities instead of accelerations (semi-implicit
-/// Euler, impacts). It has no gravity, bias, external wrenches, springs; its gains turn placement errors into
-/// velocities.
+/// Euler, impacts). It has no gravity, bias, wrenches and springs, and its gains turn placement errors into velocities.
 struct SceneAtRest {
   explicit SceneAtRest(const Scene& scene);  // copies `scene` without gravity
   /// Copies everything from `of` that may change. alpha becomes alpha h [1/s], beta 0.

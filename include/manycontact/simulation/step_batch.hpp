@@ -16,8 +16,8 @@ namespace manycontact {
 /// Simulations of one scene, of which only the numbers may change. Only one batch function may use them at a time.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
-  /// takes OpenMP's number. Throws std::invalid_argument for wrong sizes or threads, and unless h is finite and
-  /// positive.
+  /// takes OpenMP's number. Throws std::invalid_argument for a wrong size or number of threads, or an h that is not
+  /// finite and positive.
   SimulationBatch(const Scene& scene, const ConstBatchRows& q, const ConstBatchRows& v, Integrator integrator, double h,
                   int threads = 0, const Options& options = {});
 
