@@ -61,8 +61,8 @@ struct EnumCaster : py::detail::type_caster_base<E> {
 /// "SPARSE_LDL" of "kSparseLdl"; other names are Python's.
 std::string python_name(const std::string& enumerator);
 
-/// Binds an enumeration, with an entry in docs/*.txt that has its word in errors. values: all members of an unscoped
-/// enumeration; members of a scoped one are numbered from 0. Members without a C++ word (to_string) have Python names.
+/// Binds an enumeration; its entry in docs/*.txt has the word that errors use for a member. values: all members of an
+/// unscoped enumeration; those of a scoped one are numbered from 0. Members without a C++ word have Python names.
 template <class E, E... values>
 void enumeration(py::module_& m, const char* prefix = "") {
   constexpr bool has_words = requires(E x) {

@@ -21,7 +21,7 @@ struct Link {  // a link and the joint that carries it
   std::string name, joint;
   int parent = -1;  // parent link; -1: the root
   Kind kind = Kind::kRevolute;
-  Numbers xyz = {}, rpy = {}, axis = {0, 0, 1};  // of the joint in its parent link
+  Numbers xyz = {}, rpy = {}, axis = {0, 0, 1};  // placement and axis of the joint in its parent link
   double mass = 0;
   Numbers com = {}, com_rpy = {};
   std::array<double, 6> inertia = {};  // ixx ixy ixz iyy iyz izz about the centre of mass

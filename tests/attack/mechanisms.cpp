@@ -10,7 +10,7 @@ namespace manycontact::attack {
 namespace {
 
 struct Hinge {
-  double length, twist, angle;  // to the next axis; the joint's angle
+  double length, twist, angle;  // length and twist to the next axis; angle of the joint
 };
 
 Case closed_chain(const std::string& name, const std::vector<Hinge>& hinges, int rows) {

@@ -1,7 +1,6 @@
 #pragma once
 // Solves a case in quadruple precision with Newton and Euler's equations and a decomposition of J^T. J comes from
-// velocities, M from forces, derivatives from dual numbers: every step differs from the library's, and no code is
-// shared.
+// velocities, M from forces, derivatives from dual numbers: every step and its code differ from the library's.
 
 #include <algorithm>
 #include <memory>

@@ -15,7 +15,7 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kShort = 1 << 29;  // places are multiples of its inverse
+constexpr double kShort = 1 << 29;  // placements are rounded to multiples of 1 / kShort
 
 double shortened(double x) { return std::isfinite(x) && std::abs(x) < 1e3 ? std::round(x * kShort) / kShort : x; }
 void shorten(Vec3<double>& p) {

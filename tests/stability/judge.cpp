@@ -99,7 +99,7 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
   return out;
 }
 
-// Whether regularised islands have a valid reason: no digit is required of the damped K, or their bounds leave none.
+// Whether regularised islands have a valid reason: the damped K is too ill-conditioned, or error bounds are 1 or more.
 bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   for (std::size_t i = 0; i < truths.islands.size(); ++i) {
     const IslandReport& island = report_of(report, i);

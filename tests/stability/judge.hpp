@@ -26,7 +26,7 @@ enum class Outcome {
   kInDouble,      // solved in double, since the requested precision was refused
   kRefused,       // status failed and NaN, or an exception when the scene is built
   kWrong,         // a wrong number or a wrong derivative, or an exception out of solve
-  kMislabelled,   // right numbers, but ok, redundant and inconsistent are mixed up, or no damping was lost
+  kMislabelled,   // right numbers, wrong status: ok, redundant and inconsistent are mixed up, or no damping was lost
   kNotTried,      // too large for the method
 };
 inline constexpr char kLetters[] = "erofDIGd-WM.";
@@ -39,7 +39,7 @@ bool agree(const std::string& classes, const std::string& others);
 
 struct Cell {
   Outcome outcome = Outcome::kNotTried;
-  double error_a = 0, error_f = 0;  // relative, as the contract measures them
+  double error_a = 0, error_f = 0;  // relative, in the maximum norm, for the worst robot
   double error_d = 0;               // error of derivatives
   double condition = 0;             // the worst island's, as computed here
   double allowed = 0;               // max(1e-12, 100 eps cond), cond as computed here; of derivatives ten times that

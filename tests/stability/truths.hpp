@@ -44,7 +44,7 @@ struct Truths {
   double contradiction = -1, contradiction_over_gravity = -1;
   Eigen::VectorXd a_free;  // where a or v vanishes: accelerations without contacts, the scale of errors; else empty
   Eigen::VectorXd tau_b;   // S^T u - h
-  double J_size = 0;       // largest entry
+  double J_size = 0;       // largest entry of J
 };
 
 /// Returns the report on an island: that of dense-schur is a single one on all of them.

@@ -11,8 +11,8 @@ inline Attachment random_body(const Scene& scene, std::mt19937& rng) {
   return {robot, static_cast<int>(uniform(rng, 0, model.njoints() - 1e-9)), random_placement(rng, 0.3)};
 }
 
-/// Adds wrenches in body and world axes, springs to the world, in and between robots, one of zero length, and in
-/// joints.
+/// Adds wrenches in the axes of bodies and of the world; springs to the world, within a robot and between robots, one
+/// of zero length; springs in joints.
 inline void add_random_forces(Scene& scene, std::mt19937& rng, int wrenches = 3, int springs = 5) {
   for (int k = 0; k < wrenches; ++k) {
     ExternalWrench push{"push" + std::to_string(k), random_body(scene, rng)};

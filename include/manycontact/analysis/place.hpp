@@ -1,6 +1,6 @@
 #pragma once
-// Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. With e the errors
-// of the goals and J their derivatives, both times the square root of a goal's weight, it repeats
+// Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. Let e be the errors
+// of the goals and J their derivatives, both times the square root of a goal's weight. `place` repeats
 //
 //     q := q (+) dq        min |J dq + e|^2 + mu |dq|^2        lower <= q + dq <= upper
 //

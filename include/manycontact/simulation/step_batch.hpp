@@ -34,7 +34,7 @@ struct SimulationBatch {
   std::vector<StepStatus> status;  // status of the last step that was tried
 
   struct Part;  // private: states that are stepped together
-  struct Work;  // private: all of these, and a workspace per thread
+  struct Work;  // private: all parts, and a workspace per thread
   std::shared_ptr<Work> work;
 };
 

@@ -8,7 +8,7 @@
 
 namespace manycontact::cli {
 
-/// The communication of a run of one process; for several: mpi_main.cpp. All make the same calls in the same order.
+/// The communication of a run in one process; in several: mpi_main.cpp. All processes make the same calls in order.
 class Communicator {
  public:
   virtual ~Communicator() = default;

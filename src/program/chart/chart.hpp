@@ -37,7 +37,7 @@ struct ChartRow {
 
   Outcome outcome = Outcome::kAnswered;
   Status status = Status::kOk;  // last solve's status; regularised if the damping is guessed and there is a solution
-  std::string answered_by;      // "sparse-ldl leaf-to-root": methods and orders that solved islands, several joined
+  std::string answered_by;      // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
   std::string fallback;         // why another method was used, in the first such island
   std::optional<double> time;   // time of a solve, us
   std::optional<double> time_derivatives;  // us
@@ -61,7 +61,7 @@ struct Chart {
 /// Measures all rows, with a progress line on standard error.
 Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
-// ---- its steps ----------------------------------------------------------------------------------------------------
+// ---- steps of make_chart ------------------------------------------------------------------------------------------
 
 /// A row of the chart, with the scene and data that compute it.
 struct Candidate {
@@ -83,7 +83,7 @@ void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& 
 /// If standard error is a terminal, overwrites its current line; "" clears the line.
 void progress(const std::string& text);
 
-// ---- its forms ----------------------------------------------------------------------------------------------------
+// ---- output files -------------------------------------------------------------------------------------------------
 
 /// Writes chart.csv. Throws InputError if it cannot be written, as write_json.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);

@@ -111,7 +111,7 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
 
-// Steps and writes until the end, or until a step is not kOk.
+// Makes steps and writes rows until the end, or until a step is not kOk.
 void simulate(Scene& scene, Around& around, bool progress_always, SimulationData& sim, CsvFile& csv, Run& run) {
   InvariantsData room(scene);
   const auto record = [&] {

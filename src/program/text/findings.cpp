@@ -19,7 +19,7 @@ std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
 }
 
-// Prints the names, "left, right", and the worst of several contacts separately.
+// Prints the contacts' names, "left, right", and separately the worst of several.
 template <class List, class Size, class Say>
 void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
                     Say&& say) {

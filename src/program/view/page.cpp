@@ -92,7 +92,7 @@ void check_size(const Recording& r) {
   const double frames = static_cast<double>(r.t.size());
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
-                        20. * static_cast<double>(r.points.size()) +  // normals, forces and the places of contacts too
+                        20. * static_cast<double>(r.points.size()) +  // also normals, forces and placements of contacts
                         4. * static_cast<double>(r.wrenches.size() + r.springs.size()));
   if (bytes > kLargestPage)
     throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +

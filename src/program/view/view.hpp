@@ -33,7 +33,7 @@ struct Recording {
   // These members have entries for each frame.
   std::vector<double> t;                              // s
   std::vector<float> kinetic, potential;              // J
-  std::vector<float> violation_position, violation_velocity;  // m or rad, and per s
+  std::vector<float> violation_position, violation_velocity;  // constraint violations [m, rad], [m/s, rad/s]
   std::vector<float> positions;                       // 3 per body, m: bodies of all robots, in their order
   std::vector<std::int16_t> quaternions;              // 4 per body, x y z w times 32767
   std::vector<std::int32_t> islands;                  // one per robot: the first robot of its island
