@@ -1,4 +1,4 @@
-// The action model is timed, and redundant contacts against the same scene with a damping.
+// Times the action model, and redundant contacts compared with the same scene with damping.
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +19,7 @@ struct Action {
   std::shared_ptr<DifferentialActionDataAbstract> data;
   Eigen::VectorXd x, u;
 
-  // There are no costs, as in the peers' figures; with `sparse` only the sparse counterparts are filled.
+  // Has no costs, as in the peers' figures; with `sparse` only the sparse counterparts are filled.
   Action(const Posed& s, bool sparse) {
     auto state = std::make_shared<StateMultibody>(s.scene);
     auto actuation = std::make_shared<ActuationModelFloatingBase>(state);
@@ -36,7 +36,7 @@ struct Action {
   }
 };
 
-// Contains twenty costs and three constraints of all kinds on one robot on both feet; frames: soles, hands.
+// Twenty costs and three constraints of all kinds for one robot on both feet; frames: soles, hands.
 struct ManyCosts {
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<CostModelSum> costs;

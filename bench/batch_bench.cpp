@@ -1,4 +1,4 @@
-// Batches of 64 states are timed in one and two threads, by elapsed time and not one thread's processor time.
+// Times batches of 64 states in one and two threads: elapsed time, not one thread's processor time.
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +37,7 @@ void batch_of_states(benchmark::State& state, int robots, Work work, int threads
       robots * kStates * 1e-6, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-// The same work on one scene of 64 copies is the reference for a batch.
+// Times the same work on one scene of 64 copies, as the reference for a batch.
 void scene_of_copies(benchmark::State& state, Work work) {
   const Posed s = bench::robots(64);
   Options options;

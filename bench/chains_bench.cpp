@@ -1,4 +1,4 @@
-// ABA of the chains without their contacts is timed in addition to the sweep over chains.
+// Times ABA of the chains without their contacts, in addition to the sweep over chains.
 
 #include <benchmark/benchmark.h>
 

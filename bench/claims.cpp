@@ -1,5 +1,3 @@
-// Contains the claims, and the ratios that they are judged by.
-
 #include "claims.hpp"
 
 #include <cstdio>
@@ -15,7 +13,7 @@ namespace {
 
 struct Claim {
   const char *what, *numerator, *denominator;
-  double divide_by;  // robots
+  double divide_by;  // number of robots
   const char* wanted;
 };
 
@@ -84,7 +82,7 @@ constexpr Claim kClaims[] = {
      "batch/vjp/separate/1/threads:1/real_time", 1, "<= 0.55"},
 };
 
-// Times are divided by the number of robots.
+// Exponents of time in the number of robots; the names of the times are `before`, this number, `after`.
 struct Growth {
   const char *what, *before, *after, *wanted;
 };

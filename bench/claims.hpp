@@ -3,7 +3,7 @@
 
 namespace manycontact::bench {
 
-/// Prints the ratios of claims: times of one run on one machine, divided, if these times exist.
+/// Prints the ratio of two times of the run for each claim, if both exist.
 void print_claims(const Run& run);
 
 }  // namespace manycontact::bench

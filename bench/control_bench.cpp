@@ -1,7 +1,7 @@
-// One iteration of FDDP is timed: derivatives of all nodes, direction, one step (of a quarter: full ones of long chains
-// diverge from this start and would distort the time). So are the backward pass alone and a control step of a receding
-// horizon. Separate robots (control/separate) and a chain of robots hand in hand (control/chain) are solved by parts,
-// and both on nodes of the whole scene (control/dense, control/dense_chain).
+// Times one iteration of FDDP: derivatives of all nodes, direction, and a quarter step, since full steps of long chains
+// diverge from this start and would distort the time. Also times the backward pass alone, and a control step of a
+// receding horizon. Separate robots (control/separate) and a chain of robots hand in hand (control/chain) are solved by
+// parts, and both on nodes of the whole scene (control/dense, control/dense_chain).
 
 #include <benchmark/benchmark.h>
 
@@ -25,7 +25,7 @@ TaskTerm term(TaskResidual residual, double weight, int robots) {
   return out;
 }
 
-// Robots on both feet move their centres of mass; all but the last and the first are hand in hand.
+// Returns a task in which robots on both feet move their centres of mass. hand_in_hand: they form a chain.
 TaskFile task_of(int robots, int nodes, bool hand_in_hand) {
   const Posed posed = bench::robots(robots, hand_in_hand && robots > 1);
   TaskFile task;
@@ -48,7 +48,7 @@ TaskFile task_of(int robots, int nodes, bool hand_in_hand) {
   return task;
 }
 
-// Contains a solver after a first iteration.
+// A solver after its first iteration.
 template <class Solver>
 struct Started {
   TaskProblem problem;
@@ -89,7 +89,7 @@ void backward(benchmark::State& state, int robots, int nodes, bool chain, TaskSo
   state.counters["sound"] = s.solver->direction_is_sound();
 }
 
-// A control step of a receding horizon shifts by a node and makes an iteration from the last solution.
+// Times a control step of a receding horizon, which shifts by a node and makes an iteration from the last solution.
 void control_step(benchmark::State& state, int robots, int nodes) {
   Started<SolverSparse> s(robots, nodes, false, TaskSolver::kSparse);
   ShootingProblem& horizon = *s.problem.problem;
@@ -131,7 +131,7 @@ const Registration registered([] {
     if (settings().quick && robots != 16) continue;
     add_both<SolverSparse>("control/chain/" + std::to_string(robots), robots, 50, true, TaskSolver::kSparse);
   }
-  // Five nodes of the whole scene take a tenth of the time of the others' horizon.
+  // On nodes of the whole scene, the horizon has five nodes instead of fifty and takes a tenth of the time.
   if (settings().quick) return;
   for (const int robots : {1, 4, 16})
     add_both<SolverFDDP>("control/dense_5_nodes/" + std::to_string(robots), robots, 5, false, TaskSolver::kFddp);

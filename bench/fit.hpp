@@ -1,5 +1,4 @@
 #pragma once
-// Exponents are p in t ~ size^p, from least squares of log t over log size.
 
 #include <cmath>
 #include <limits>
@@ -8,8 +7,8 @@
 
 namespace manycontact::bench {
 
-/// p = sum (x - mean x)(y - mean y) / sum (x - mean x)^2 with x = log size, y = log t. points: (size, t), all positive.
-/// NaN for fewer than two different sizes.
+/// Returns p of t ~ size^p by least squares: p = sum (x - mean x)(y - mean y) / sum (x - mean x)^2 with x = log size, y
+/// = log t. points: (size, t), all positive. NaN for fewer than two different sizes.
 inline double exponent(const std::vector<std::pair<double, double>>& points) {
   double x = 0, y = 0, xx = 0, xy = 0;
   const double n = static_cast<double>(points.size());

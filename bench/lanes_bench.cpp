@@ -1,4 +1,4 @@
-// Robots of one model are timed in SIMD batches, at each level of instructions here: N of the measured one, separate.
+// Times N separate robots of the measured model in SIMD batches, at each instruction level of this machine.
 
 #include <benchmark/benchmark.h>
 

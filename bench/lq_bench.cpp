@@ -1,4 +1,4 @@
-// Directions of linear-quadratic problems of humanoids' sizes are timed: factorize, and solve with its error check.
+// Times directions of linear-quadratic problems of humanoids' sizes: factorize, and solve with its error check.
 // Exponents in the number of robots are fitted to lq/separate and lq/chain; lq/dense grows with its cube.
 
 #include <benchmark/benchmark.h>
@@ -35,7 +35,7 @@ lq::Problem chain(int robots, int horizon) {
 
 void report(benchmark::State& state, const lq::DirectionSolver& solver, const lq::Outcome& outcome) {
   state.counters["status"] = static_cast<double>(outcome.status);
-  state.counters["Gflop"] = solver.flops() * 1e-9;  // of factorize
+  state.counters["Gflop"] = solver.flops() * 1e-9;  // operations of factorize
   state.counters["kkt_error_in_eps"] = outcome.kkt_error / std::numeric_limits<double>::epsilon();
 }
 
@@ -81,7 +81,7 @@ const Registration registered([] {
       solve(s, solver, chain(robots, 50));
     });
   }
-  // Five knots of the dense recursion take a tenth of the time of the others' horizon.
+  // The dense recursion has five knots instead of fifty and takes a tenth of the time.
   for (const int robots : {1, 2, 4, 8, 16}) {
     if (settings().quick && robots != 16) continue;
     add("lq/dense_5_knots/" + std::to_string(robots) + "/factorize", [=](benchmark::State& s) {

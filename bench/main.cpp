@@ -20,7 +20,7 @@ namespace manycontact::bench {
 
 namespace {
 
-// Writes one line for a benchmark, with the least time of its repetitions.
+// Prints one line per benchmark, with the least time of its repetitions.
 class KeepLeast : public benchmark::BenchmarkReporter {
  public:
   explicit KeepLeast(bench::Run& kept) : run_(kept) {}
@@ -45,7 +45,7 @@ class KeepLeast : public benchmark::BenchmarkReporter {
         if (name == "skipped") least.us = 0;
       }
     }
-    if (least.name.empty()) return;  // an aggregate
+    if (least.name.empty()) return;  // only an aggregate
     if (least.us > 0) run_.results.push_back(least);
     print(least, label);
   }
@@ -105,7 +105,7 @@ std::map<std::string, std::string> machine() {
           {"load", load_average()}};
 }
 
-// Sets Google Benchmark's options, ours before those of the command line, which take precedence.
+// Sets Google Benchmark's options: ours first, since those of the command line take precedence.
 void initialize(int argc, char** argv) {
   static std::vector<std::string> words;  // Google Benchmark writes argv[0] into its files, later
   words = {argv[0], "--benchmark_repetitions=3", "--benchmark_min_time=0.1"};

@@ -16,7 +16,7 @@ namespace manycontact::bench {
 
 namespace {
 
-constexpr double kLong = 2e5;  // us of repeats, at least kLeast of them
+constexpr double kLong = 2e5;  // us of repeats, of which there are at least kLeast
 constexpr int kLeast = 5;
 
 double median_time(Loaded& loaded) {
@@ -31,7 +31,7 @@ double median_time(Loaded& loaded) {
   return times[times.size() / 2];
 }
 
-// Returns an empty string, or a feature that no peer receives.
+// Returns a feature of the scene that peers are not given, or nothing.
 std::string beyond_peers(const Scene& scene) {
   if (!scene.wrenches.empty() || !scene.springs.empty() || !scene.joint_springs.empty()) return "wrenches or springs";
   if (scene.damping != 0) return "a damping";

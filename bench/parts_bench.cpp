@@ -1,5 +1,4 @@
-// The parts of one solve are timed on one robot with both feet fixed in 6D. `ldl_numeric` is SuiteSparse's, plain, on
-// the same K: it is the unit of quoted ratios.
+// Times the parts of a solve on one robot, both feet fixed in 6D. `ldl_numeric` (SuiteSparse) is the unit of ratios.
 
 #include <benchmark/benchmark.h>
 
@@ -19,7 +18,7 @@
 namespace manycontact::bench {
 namespace {
 
-// Contains one robot after a solve, and memory of the parts' own.
+// One robot after a solve, and the workspace of the parts.
 struct Fixture {
   Posed s;
   SceneData data;
@@ -145,7 +144,6 @@ void rnea_derivatives_whole(benchmark::State& state, Fixture& f) {
   }
 }
 
-// Times all derivatives, after a solve.
 void differentiate_whole(benchmark::State& state, Fixture& f) {
   (void)solve(f.s.scene, f.s.q, f.s.v, f.s.u, f.data);
   for (auto _ : state) benchmark::DoNotOptimize(differentiate(f.s.scene, f.data));

@@ -1,4 +1,4 @@
-// Solves are timed in every precision, with separate robots and in a ring. The label names the precision that was used.
+// Times solves in every precision, with separate robots and in a ring. The label names the precision that was used.
 
 #include <benchmark/benchmark.h>
 

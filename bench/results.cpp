@@ -24,7 +24,7 @@ Result result_of(const Json& j) {
   return {j.at("name"), j.at("us"), j.value("bytes", 0.0), j.value("difference", -1.0)};
 }
 
-// sweep/SCENE/SIZE/TASK; size 0: another name.
+// The parts of a name sweep/SCENE/SIZE/TASK; size 0: another name.
 struct Name {
   std::string scene, task;
   int size = 0;

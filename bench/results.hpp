@@ -10,8 +10,8 @@ namespace manycontact::bench {
 struct Result {
   std::string name;        // sweep/SCENE/SIZE/TASK, parts/TASK, ...
   double us = 0;           // least of the repetitions' means
-  double bytes = 0;        // on the heap after the first call; 0: not measured
-  double difference = -1;  // largest, of accelerations from ours, relative to our largest; negative: not compared
+  double bytes = 0;        // heap memory after the first call; 0: not measured
+  double difference = -1;  // largest deviation of accelerations from ours, relative to ours; negative: not compared
 };
 
 struct Run {
@@ -23,7 +23,7 @@ struct Run {
 /// Returns the result called `name`, or null.
 const Result* find(const Run& run, const std::string& name);
 
-/// Throws std::runtime_error; read_runs throws it also for a file that is not a list of runs.
+/// Throw std::runtime_error, read_runs also for a file that is not a list of runs.
 void write_runs(const std::vector<Run>& runs, const std::string& path);
 std::vector<Run> read_runs(const std::string& path);
 void write_csv(const std::vector<Run>& runs, const std::string& path);

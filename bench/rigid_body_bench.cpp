@@ -1,5 +1,5 @@
-// One robot's algorithms are timed through their public functions (algorithm/rigid_body.hpp), and inverse kinematics of
-// rings hand in hand, whose time should grow as their robots do.
+// Times one robot's algorithms through their public functions (algorithm/rigid_body.hpp), and inverse kinematics of
+// rings hand in hand, whose time should be linear in the number of robots.
 
 #include <benchmark/benchmark.h>
 
@@ -31,7 +31,7 @@ void add(const char* name, Run&& run) {
                                });
 }
 
-// n humanoids in a circle have the goal to take each other's hands.
+// Times inverse kinematics of n humanoids in a circle that take each other's hands.
 void ring(benchmark::State& state, int n) {
   const SceneFile file = load_scene_text(
       "<scene><robot name=\"r\" urdf=\"humanoid.urdf\" base=\"floating\" xyz=\"0 0 0.7884\" arrange=\"circle\" "

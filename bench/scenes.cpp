@@ -25,7 +25,7 @@ std::string robot_file() {
   return settings().robot.empty() ? std::string(kModels) + "humanoid.urdf" : settings().robot;
 }
 
-// Returns places of the frames in the base, at the neutral configuration.
+// Returns the positions of the frames in the base, at the neutral configuration.
 std::vector<Vec3<double>> frame_places(const Model& model) {
   Kinematics<double> kin(model);
   forward_kinematics<double>(model, {}, neutral(model), kin);
@@ -35,7 +35,7 @@ std::vector<Vec3<double>> frame_places(const Model& model) {
   return places;
 }
 
-// Returns the frame of largest `score` among those left (y > 0) or right of the base; of equals the last, the deepest.
+// Returns the frame of largest `score` left (y > 0) or right of the base; among equals the deepest in the tree.
 template <class Score>
 std::string best_frame(const Model& model, bool left, const Score& score) {
   const std::vector<Vec3<double>> places = frame_places(model);
@@ -108,7 +108,7 @@ Eigen::VectorXd allowed(const Scene& scene, const Eigen::VectorXd& q, const Eige
   return data.a;
 }
 
-using Bends = std::map<std::string, double>;  // by the end of a joint's name
+using Bends = std::map<std::string, double>;  // key: the end of a joint's name
 
 // Bends the joints off the symmetric configuration, each robot with the same noise.
 Posed posed(Scene scene, const Bends& bends) {

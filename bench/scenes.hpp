@@ -1,5 +1,5 @@
 #pragma once
-// Scenes of the benchmarks are made in code: every robot has the same asymmetric configuration and motion.
+// Scenes of the benchmarks, made in code: every robot has the same asymmetric configuration and motion.
 
 #include <string>
 
@@ -20,7 +20,7 @@ std::string robot_frames();
 
 /// Returns `count` measured robots in a circle, feet fixed in 6D; hand in hand: a closed ring by 6D contacts.
 Posed robots(int count, bool hand_in_hand = false);
-/// Returns one of them on `points` 3D points of its two soles: from the second point of a sole on they are redundant.
+/// Returns one measured robot on `points` 3D points of its soles; all but the first point of a sole are redundant.
 Posed on_points(int points);
 /// Returns 16 quadrupeds of models/, of whose 64 point feet `held` are fixed.
 Posed herd_on_feet(int held);

@@ -1,5 +1,4 @@
 #pragma once
-// These are the settings of `./run bench`.
 
 #include <string>
 #include <vector>
@@ -15,11 +14,9 @@ struct Settings {
   std::string scene, task;         // one scene's file and the task on it, with its dials; empty: the benchmarks
 };
 
-/// Removes its own options from argv (--robot, --feet, --hands, --quick, --out, --scene, --task); the rest is Google
-/// Benchmark's. Throws std::invalid_argument.
+/// Removes our options (--robot, --feet, --hands, --quick, ...) from argv. Throws std::invalid_argument.
 Settings parse(int& argc, char** argv);
 
-/// Returns the settings that main received.
 Settings& settings();
 
 /// Registers benchmarks after the command line was read.

@@ -1,4 +1,4 @@
-// Whole solves, derivatives and products are timed: N robots, separate or hand in hand in a ring, every method.
+// Times whole solves, derivatives and products: N robots, separate or hand in hand in a ring, every method.
 
 #include <benchmark/benchmark.h>
 
@@ -23,7 +23,7 @@ void solve_scene(benchmark::State& state, int robots, bool hand_in_hand, Method 
   state.counters["status"] = static_cast<double>(data.report.status);
 }
 
-// One contact of a herd of quadrupeds is switched off and on again before a solve, a different one each time: these
+// Times a solve of a herd of quadrupeds with one contact switched off or on again, a different one each time; these
 // contact sets were solved before. The reference is a solve of the whole herd.
 void switch_contact(benchmark::State& state, int robots, bool switched) {
   const Posed s = herd(robots);
@@ -38,7 +38,6 @@ void switch_contact(benchmark::State& state, int robots, bool switched) {
   for (auto _ : state) toggle_and_solve();
 }
 
-// Times derivatives after a solve.
 void differentiate_scene(benchmark::State& state, int robots, bool hand_in_hand, Method method) {
   const Posed s = bench::robots(robots, hand_in_hand);
   SceneData data(s.scene, {method, {}});
@@ -64,7 +63,7 @@ void products_scene(benchmark::State& state, int robots, bool hand_in_hand, bool
   }
 }
 
-// The work that dense-schur needs is timed in plain Eigen with its sizes: LLT of M, L^-1 J^T, S, LLT of S.
+// Times the work of dense-schur in plain Eigen with its sizes: LLT of M, L^-1 J^T, S, LLT of S.
 void eigen_factors(benchmark::State& state, int robots) {
   const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kDenseSchur, {}});

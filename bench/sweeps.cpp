@@ -1,4 +1,4 @@
-// Every task of the program is timed over the sizes of each kind of scene: sweep/SCENE/SIZE/TASK.
+// Times every task of the program over the sizes of each kind of scene: sweep/SCENE/SIZE/TASK.
 
 #include <benchmark/benchmark.h>
 #include <malloc.h>
@@ -44,7 +44,7 @@ double heap() {
   return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
-// Contains the last scene, and the task loaded from it: a benchmark is called several times.
+// The last scene, and the task loaded from it, since a benchmark is called several times.
 struct Current {
   std::string scene_key, key;
   Posed scene;
@@ -79,10 +79,10 @@ void load(Current& c, const Sweep& sweep, int size, const std::string& task) {
   c.difference = difference(c.scene, *c.loaded);
 }
 
-// Contains times of one task on one kind of scene so far, ascending in size.
+// Times of one task on one kind of scene so far, ascending in size.
 class Growth {
  public:
-  // Returns seconds at `size`, along the line through the last two in log-log axes, or the square of the size.
+  // Predicts the seconds at `size`: by the line through the last two times in log-log axes, or the square of the size.
   double at(int size) const {
     if (last_.empty()) return 0;
     const auto [n, t] = last_.back();

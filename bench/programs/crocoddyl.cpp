@@ -1,5 +1,5 @@
-// Crocoddyl runs calc of its action model with contacts, only a robot's contacts with the world, and calcDiff after it,
-// with derivatives of forces, and an iteration of FDDP. Compiles against versions that have std::shared_ptr (3.1 and later).
+// Crocoddyl runs calc of its action model, with a robot's contacts with the world only, calcDiff after it, with
+// derivatives of forces, and an iteration of FDDP. Compiles against versions with std::shared_ptr (3.1 and later).
 
 #include <crocoddyl/core/costs/cost-sum.hpp>
 #include <crocoddyl/core/utils/version.hpp>
@@ -26,7 +26,7 @@ namespace {
 
 using crocoddyl::StateMultibody;
 
-// Adds holds as frames of the model, in their order: "hold0", "hold1", ...
+// Adds the contacts as frames of the model, in their order: "hold0", "hold1", ...
 std::shared_ptr<pin::Model> with_frames(const Posed& s, const std::vector<Hold>& holds) {
   auto model = std::make_shared<pin::Model>(model_of(s));
   model->names[1] = "root_joint";  // ActuationModelFloatingBase looks for it

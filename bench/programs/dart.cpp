@@ -111,7 +111,7 @@ struct Step : Loaded {
   const Posed& s;
   std::vector<Body> bodies;
   dart::simulation::WorldPtr world = dart::simulation::World::create();
-  std::vector<dart::dynamics::SkeletonPtr> skeletons;  // a robot each
+  std::vector<dart::dynamics::SkeletonPtr> skeletons;  // one per robot
   std::vector<dart::dynamics::BodyNode*> nodes;
   std::vector<Eigen::VectorXd> at_rest, velocities;
 };

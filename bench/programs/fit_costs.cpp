@@ -1,9 +1,8 @@
 // `./run bench --fit`: measures islands of many kinds and fits the coefficients of predicted costs (kkt/costs.hpp).
 //
-// A predicted time is linear in the coefficients, t = sum_j c_j n_j of an island's counts (rows, entries,
-// multiply-adds). They minimise sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured
-// islands i, c0 being the current coefficients: coefficients that the islands do not distinguish keep their ratio.
-// Negative ones are set to zero.
+// A predicted time is linear in the coefficients, t = sum_j c_j n_j, with an island's counts n_j (rows, entries,
+// multiply-adds). The fit minimises sum_i (sum_j c_j n_ij / t_i - 1)^2 + w sum_j (c_j / c0_j - 1)^2 over the measured
+// islands i. Coefficients that these do not distinguish keep the ratio of the current ones, c0; negative ones become 0.
 
 #include <Eigen/Dense>
 #include <algorithm>
@@ -23,14 +22,14 @@ namespace manycontact::bench {
 
 namespace {
 
-constexpr double kWeight = 1e-2;  // w, times the number of islands
+constexpr double kWeight = 1e-2;  // w divided by the number of islands
 
 struct Coefficient {
   const char* name;
   double now;
 };
 
-// Contains one method's model: the coefficients, and an island's count for each.
+// The cost model of one method: the coefficients, and an island's count for each.
 struct CostModel {
   const char* what;
   Options options;
@@ -101,7 +100,7 @@ CostModel bodies() {
           }};
 }
 
-// Returns the seconds of a later solve: the median of as many as fit in a fifth of a second.
+// Returns the seconds of a repeated solve: the median of as many as fit in a fifth of a second.
 double seconds_of(const Posed& s, SceneData& data) {
   using Clock = std::chrono::steady_clock;
   const auto since = [](Clock::time_point start) {
@@ -136,7 +135,7 @@ void measure(const CostModel& model, const std::string& name, const Posed& s, st
 
 Eigen::VectorXd fit(const CostModel& model, const std::vector<Sample>& samples) {
   const auto n = static_cast<Eigen::Index>(model.coefficients.size()), m = static_cast<Eigen::Index>(samples.size());
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(m + n, n);  // of x = c / c0
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(m + n, n);  // equations for x = c / c0
   Eigen::VectorXd b = Eigen::VectorXd::Ones(m + n);
   const double weight = std::sqrt(kWeight * static_cast<double>(m));
   for (Eigen::Index i = 0; i < m; ++i)

@@ -1,5 +1,4 @@
-// Our tasks are solve, all derivatives after a solve, the product w^T [da; df] of them, setting a scene up, a robot's
-// algorithms, and an iteration of FDDP.
+// Our tasks: solve, all derivatives after it, w^T [da; df], set-up, a robot's algorithms, and an iteration of FDDP.
 
 #include "manycontact/algorithm/rigid_body.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -20,7 +19,7 @@ struct Solve : Loaded {
   SceneData data;
 };
 
-// Each runs after a solve and includes the work that the solve left to it.
+// The derived tasks run after a solve and include the work that the solve left to them.
 struct Derivatives : Solve {
   using Solve::Solve;
   void begin() override { Solve::run(); }
@@ -58,7 +57,7 @@ struct Bodies : Loaded {
   const Posed& s;
   std::string task;
   RigidBodyData data;
-  Eigen::VectorXd a = 2 * s.v;  // or torques
+  Eigen::VectorXd a = 2 * s.v;  // accelerations or torques
   Mat6X<double> J;
 };
 

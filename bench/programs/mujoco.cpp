@@ -56,7 +56,7 @@ std::string sizes(const Scene& scene) {
 #endif
 }
 
-// "mj_forward:TOLERANCE:IMPEDANCE" sets those of its solver and of its constraints, which are rigid at 1.
+// "mj_forward:TOLERANCE:IMPEDANCE" sets the solver's tolerance and the constraints' impedance; 1 is rigid.
 struct Dials {
   double tolerance = 1e-8, impedance = 0.9999;
 };
@@ -107,7 +107,7 @@ mjModel* compile(const std::string& xml) {
   return model;
 }
 
-// Warnings are kept here instead of in a file MUJOCO_LOG.TXT.
+// Keeps warnings here instead of in a file MUJOCO_LOG.TXT.
 std::string warned;
 void keep_warning(const char* text) { warned = text; }
 

@@ -1,13 +1,12 @@
-// Pinocchio runs constraintDynamics with one proximal iteration and with three, derivatives after it, constrainedABA, and a
-// robot's algorithms.
+// Pinocchio: constraintDynamics (one or three proximal iterations), its derivatives, constrainedABA, robot algorithms.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
-// then
+// Constrained algorithms need the headers above.
 #include <pinocchio/algorithm/constrained-dynamics-derivatives.hpp>
 #include <pinocchio/algorithm/constrained-dynamics.hpp>
 #include <pinocchio/algorithm/pv.hpp>
-// and
+// Algorithms without constraints:
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/crba.hpp>
 #include <pinocchio/algorithm/frames.hpp>
@@ -33,16 +32,16 @@ Constraints constraints_of(const Posed& s, const pin::Model& model) {
   return all;
 }
 
-const pin::ProximalSettings kIterated(1e-12, 1e-6, 3);  // more do not change the digits of our scenes
+const pin::ProximalSettings kIterated(1e-12, 1e-6, 3);  // further iterations do not change the digits of our scenes
 
-// Uses no damping for independent contacts, which are its defaults, otherwise a mu of 1e-6.
+// Returns Pinocchio's default for independent contacts, no damping, and a mu of 1e-6 for others.
 pin::ProximalSettings one_iteration(const Posed& s) {
   SceneData data(s.scene);
   const bool dependent = solve(s.scene, s.q, s.v, s.u, data).status != Status::kOk;
   return {1e-12, dependent ? 1e-6 : 0, 1};
 }
 
-// "constraintDynamics:MU:ITERATIONS" runs all of these iterations, whatever their residual.
+// "constraintDynamics:MU:ITERATIONS" makes exactly these iterations, whatever their residual.
 pin::ProximalSettings dialled(const std::string& words, const pin::ProximalSettings& usual) {
   const Task task = task_of(words);
   if (task.dials.size() != 2) return usual;
@@ -96,12 +95,12 @@ struct Bodies : Common {
   void run() override {
     if (task == "rnea") pin::rnea(model, data, q, v, a);
     if (task == "aba") pin::aba(model, data, q, v, a);
-    if (task == "crba") pin::crba(model, data, q);  // a triangle
+    if (task == "crba") pin::crba(model, data, q);  // fills one triangle
     if (task == "frame_jacobian") pin::computeFrameJacobian(model, data, q, model.getFrameId("held"), pin::LOCAL, J);
   }
   Eigen::VectorXd accelerations() override { return {}; }
   std::string task;
-  Eigen::VectorXd a;  // or torques
+  Eigen::VectorXd a;  // accelerations or torques
   pin::Data::Matrix6x J;
 };
 

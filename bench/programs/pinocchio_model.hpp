@@ -1,5 +1,5 @@
 #pragma once
-// A scene becomes a model of Pinocchio, for its own program and Crocoddyl's.
+// Converts a scene to a model of Pinocchio, for its own program and Crocoddyl's.
 
 #include <pinocchio/multibody/data.hpp>
 #include <pinocchio/multibody/model.hpp>
@@ -12,7 +12,7 @@ namespace pin = pinocchio;
 
 inline pin::SE3 place(const SE3<double>& M) { return {M.R, M.p}; }
 
-/// Joints are in our order, so the model has our coordinates too.
+/// Returns a model with our order of joints, and therefore our coordinates.
 pin::Model model_of(const Posed& scene);
 
 }  // namespace manycontact::bench

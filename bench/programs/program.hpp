@@ -1,5 +1,5 @@
 #pragma once
-// manycontact and its peers are compared; each is a source file here and a benchmark program of its own.
+// The interface of manycontact and its peers; each is a source file here and a benchmark program of its own.
 
 #include <functional>
 #include <memory>
@@ -10,10 +10,10 @@
 
 namespace manycontact::bench {
 
-/// A scene in a program's own terms, at its state.
+/// A scene as a program's own model, at its state.
 struct Loaded {
   virtual ~Loaded() = default;
-  /// Prepares the state that run starts from, each time again; not timed.
+  /// Restores the state that run starts from; called before each run, not timed.
   virtual void begin() {}
   virtual void run() = 0;
   /// Returns accelerations in manycontact's coordinates, after run; empty if the task has none.
@@ -23,9 +23,9 @@ struct Loaded {
 struct Program {
   std::string name, version;
   std::vector<std::string> tasks;
-  /// Tasks of one robot: those of rnea, aba, crba, frame_jacobian, without its contacts, and FDDP that it has.
+  /// Tasks of one robot that the program has: rnea, aba, crba, frame_jacobian, without contacts, and FDDP.
   std::vector<std::string> of_one;
-  /// Returns an empty string, or why this program does not support this.
+  /// Returns why this program does not support this, or nothing.
   std::string (*refuses)(const Posed& scene, const std::string& task);
   /// A task may have dials, numbers after its name: "constrainedABA:1e-6:5".
   std::unique_ptr<Loaded> (*load)(const Posed& scene, const std::string& task);
@@ -37,9 +37,8 @@ struct Task {
 };
 Task task_of(const std::string& words);
 
-/// Runs the task of settings() on its scene. The accelerations, one number per line in manycontact's coordinates, go to
-/// settings().out, and the median time of a run [us] to standard output. Throws std::runtime_error if the program does
-/// not support this.
+/// Runs the task of settings() on its scene. Writes the accelerations, one number per line in our coordinates, to
+/// settings().out, and the median time [us] to standard output. Throws std::runtime_error if this is not supported.
 void run_on_scene();
 
 /// Returns the program of this executable.

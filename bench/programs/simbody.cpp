@@ -1,5 +1,4 @@
-// Simbody runs realize(Stage::Acceleration), from new coordinates. Contacts are Weld and Ball constraints, as rigid as
-// ours.
+// Simbody runs realize(Stage::Acceleration), from new coordinates. Contacts are rigid Weld and Ball constraints.
 
 #include <Simbody.h>
 
@@ -56,7 +55,7 @@ struct Acceleration : Loaded {
     Eigen::VectorXd a(s.scene.nv);
     for (std::size_t k = 0; k < bodies.size(); ++k) {
       const SimTK::Vector du = mobods[k].getUDotAsVector(state);
-      if (bodies[k].type == JointType::kFloating) {  // in axes at rest, where the body's are now
+      if (bodies[k].type == JointType::kFloating) {  // du is in axes at rest that coincide with the body's
         const Eigen::Vector3d v = s.v.segment<3>(bodies[k].idx_v), w = s.v.segment<3>(bodies[k].idx_v + 3);
         a.segment<3>(bodies[k].idx_v) = Eigen::Vector3d(du[3], du[4], du[5]) - w.cross(v);
         a.segment<3>(bodies[k].idx_v + 3) << du[0], du[1], du[2];

@@ -1,5 +1,3 @@
-// Selects the lines of each figure.
-
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>

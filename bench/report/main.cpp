@@ -1,5 +1,4 @@
-// manycontact_bench_report DIR RUN.json... writes results.json, results.csv, charts and a page into DIR, and tables to
-// standard output. The first run is ours.
+// manycontact_bench_report DIR OURS.json RUN.json...: writes results, charts and a page into DIR, and prints tables.
 
 #include <cstdio>
 #include <exception>

@@ -1,5 +1,3 @@
-// Writes the page that explains the charts.
-
 #include <fstream>
 #include <stdexcept>
 

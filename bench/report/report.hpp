@@ -1,5 +1,5 @@
 #pragma once
-// `./run bench` writes these from the runs: charts, tables, a page.
+// The charts, tables and page that `./run bench` writes from the runs.
 
 #include <string>
 #include <utility>
@@ -12,7 +12,7 @@ namespace manycontact::bench {
 /// Returns what a program computes differently from ours; empty for ours.
 std::string otherwise(const std::string& program);
 
-/// One line of a chart, through (x, y); colour: its program, dashes: which of its tasks.
+/// One line of a chart, through (x, y). Its colour shows the program, its dashes the task.
 struct Line {
   std::string label;
   const Run* run;
@@ -30,12 +30,12 @@ struct Figure {
   std::vector<Panel> panels;
 };
 
-/// Returns time per robot, per link, over contacts; memory; ratios to ours. Figures without a line are left out.
+/// Returns figures of time per robot, per link, over contacts; memory; ratios to ours. Empty figures are left out.
 std::vector<Figure> figures(const std::vector<Run>& runs);
 /// Writes the figures, and what the programs compute differently, as JSON for draw.py. Throws std::runtime_error.
 void write_figures(const std::vector<Figure>& figures, const std::vector<Run>& runs, const std::string& path);
 
-/// Markdown. Times of a robot in us, and in units of plain ldl_numeric on its K.
+/// Return Markdown. Times of a robot are in us, and in units of plain ldl_numeric on its K.
 std::string table_of_robots(const std::vector<Run>& runs);
 std::string table_of_parts(const Run& ours);
 /// Returns times of each algorithm of one robot by program, in us.

@@ -1,5 +1,3 @@
-// Writes tables in Markdown.
-
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -20,7 +18,7 @@ const Run* ours(const std::vector<Run>& runs) {
   return nullptr;
 }
 
-// Returns us of plain ldl_numeric on the robot's K; 0: not measured.
+// Returns the time of plain ldl_numeric on the robot's K [us]; 0: not measured.
 double unit(const std::vector<Run>& runs) {
   const Run* run = ours(runs);
   const Result* r = run ? find(*run, "parts/ldl_numeric") : nullptr;
@@ -40,7 +38,7 @@ std::string heading(const std::vector<std::string>& titles) {
   return first + "\n" + second + "\n";
 }
 
-// Returns the theoretical exponent of ours; 0: none.
+// Returns the exponent that theory predicts for manycontact; 0: none.
 double theory(const Run& run, const std::string& scene, const std::string& task) {
   if (!run.program.starts_with("manycontact")) return 0;
   return task == "derivatives" && scene != "separate" ? 2 : 1;  // an island's derivatives are a dense block

@@ -27,7 +27,7 @@ namespace manycontact::bench {
 
 namespace {
 
-// Contains a scene's robots and contacts in quadruple precision.
+// A scene's robots and contacts in quadruple precision.
 struct State {
   VecX<Quad> q, v, a;
   std::vector<Kinematics<Quad>> kin;

@@ -15,7 +15,7 @@ struct Operations {
   double product = 0;      // terms of w^T times these
 };
 
-/// a, f are a solution (any numbers suffice). Contacts are all active.
+/// Counts the operations with all contacts active. a: accelerations (any numbers suffice).
 Operations count_operations(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                             const Eigen::VectorXd& a);
 

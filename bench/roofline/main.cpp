@@ -1,5 +1,4 @@
-// manycontact_roofline prints a Markdown table: operations and bytes of a solve and of derivatives, relative to the
-// machine's peaks of the same run.
+// manycontact_roofline prints a table: operations and bytes of solves and derivatives, relative to the machine's peaks.
 
 #include <malloc.h>
 
@@ -30,7 +29,7 @@ double heap() {
   return static_cast<double>(m.uordblks + m.hblkhd);
 }
 
-// Returns the median of calls for so many seconds, three at least; `begin` before each is not timed.
+// Returns the median time of calls during `seconds`, at least three; `begin` runs before each and is not timed.
 double median_time(double seconds, const std::function<void()>& begin, const std::function<void()>& run) {
   std::vector<double> times;
   for (double sum = 0; times.size() < 3 || sum < seconds; sum += times.back()) {
@@ -43,10 +42,10 @@ double median_time(double seconds, const std::function<void()>& begin, const std
   return times[times.size() / 2];
 }
 
-// The cost of K over all islands: rows, entries of the upper triangle of K and below L's diagonal, operations of L's.
+// Counts over all islands: rows of K, entries of its upper triangle, entries of L below the diagonal, operations of L.
 struct Factor {
   double rows = 0, entries = 0, below = 0, operations = 0;
-  /// for L D L^T x = b, and for r = b - K x with its scale
+  /// Return the operations for L D L^T x = b, and for r = b - K x with its scale.
   double solve() const { return 4 * below + rows; }
   double residual() const { return 8 * entries; }
 };
@@ -79,7 +78,7 @@ struct Entry {
   double least = 1e9;
 };
 
-// If a rate exceeds the memory's peak, bytes come from the caches.
+// Prints a row. If a rate exceeds the memory's peak, the bytes come from the caches.
 void print(const Peaks& peaks, const Entry& e) {
   std::printf("| %s | %.3g | %.3g | %.3g | %.2g | %.2g | %s | %s |\n", e.what.c_str(), 1e6 * e.least,
               1e-6 * e.operations, 1e-6 * e.bytes, e.operations / e.bytes, 1e-9 * e.operations / e.least,
@@ -87,7 +86,6 @@ void print(const Peaks& peaks, const Entry& e) {
               percent(e.bytes / e.least, peaks.memory, "in caches").c_str());
 }
 
-// Contains a scene and the workspace of a call.
 struct Work {
   explicit Work(Posed scene) : s(std::move(scene)), data(s.scene) {}
   void solve() { (void)manycontact::solve(s.scene, s.q, s.v, s.u, data); }
@@ -98,15 +96,14 @@ struct Work {
   Eigen::VectorXd wq = s.v, wv = s.v, wu = s.u;
 };
 
-// Returns the number of columns of right-hand sides, the mean over islands.
+// Returns the number of columns of right-hand sides, as a mean over islands.
 double columns_of(const SceneData& data) {
   double columns = 0;
   for (const IslandDerivatives& of : derivatives(data).islands) columns += of.cols;
   return columns / static_cast<double>(island_count(data));
 }
 
-// Adds a scene's solve, vjp and, on request, all derivatives. `alike`: a small scene of the same kind, whose operations
-// are counted.
+// Adds a scene's solve, vjp and, on request, derivatives. `alike`: a small similar scene, whose operations are counted.
 void add(std::vector<Entry>& entries, const std::string& name, Posed scene, const Posed& alike, bool all_derivatives) {
   const double scale = double(scene.scene.nrobots()) / alike.scene.nrobots();
   const Operations each = count_operations(alike.scene, alike.q, alike.v, 2 * alike.v);

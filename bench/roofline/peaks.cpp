@@ -64,7 +64,7 @@ double memory_rate() {
     for (std::size_t k = 0; k < n; ++k) a[k] = b[k] + 0.5 * c[k];
     sink = a[n / 2];
   });
-  return 3.0 * 8 * static_cast<double>(n) / time;  // without reads of `a` before it is written
+  return 3.0 * 8 * static_cast<double>(n) / time;  // reads of `a` before it is written are not counted
 }
 
 }  // namespace

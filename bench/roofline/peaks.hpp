@@ -1,5 +1,5 @@
 #pragma once
-// The peak rates of this machine on one core.
+// Peak rates of this machine on one core.
 
 #include <string>
 
@@ -7,8 +7,8 @@ namespace manycontact::bench {
 
 struct Peaks {
   std::string instructions;  // the widest vectors used
-  double flops = 0;          // of fused multiply-adds of doubles, two operations each [1/s]; 0 without AVX2
-  double memory = 0;         // of a triad over arrays that fit into no cache [bytes/s]
+  double flops = 0;          // fused multiply-adds of doubles, two operations each [1/s]; 0 without AVX2
+  double memory = 0;         // rate of a triad over arrays that fit into no cache [bytes/s]
 };
 Peaks measure_peaks();
 

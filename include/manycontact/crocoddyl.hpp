@@ -1,10 +1,10 @@
 #pragma once
-// Compatibility with programs written for Crocoddyl: all names in a namespace `crocoddyl`, which programs may reopen or
-// use. No header of this library includes this one.
+// Compatibility with programs written for Crocoddyl: defines all names in a namespace `crocoddyl`, which programs may
+// reopen or use. No header of this library includes this one.
 //
-// Three things are as in Crocoddyl, and not as in namespace manycontact: throw_pretty and its exception, stacks, and
-// pseudoInverse. Stacks warn on std::cerr and continue if a name is added twice, or does not exist. Getters of action
-// models return the stacks of namespace manycontact, which throw: declare variables for them with auto.
+// throw_pretty and its exception, stacks, and pseudoInverse behave as in Crocoddyl, not as in namespace manycontact.
+// Stacks warn on std::cerr and continue if a name is added twice, or does not exist. Getters of action models return
+// the stacks of namespace manycontact, which throw: declare variables for them with auto.
 
 #include <Eigen/QR>
 #include <exception>
@@ -51,14 +51,14 @@ class Exception : public std::exception {  // thrown by throw_pretty
   std::string message_, place_, what_;
 };
 
-/// The pseudoinverse of a matrix of any rank. Singular values below the largest one times epsilon are treated as zero.
+/// Returns the pseudoinverse of a matrix of any rank. Singular values below epsilon times the largest count as zero.
 inline Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& a) {
   return a.completeOrthogonalDecomposition().pseudoInverse();
 }
 
 namespace internal {
 
-/// True if the existence of a part with the given name is as `expected`; otherwise prints a warning.
+/// Returns whether a part of this name exists as `expected`; otherwise prints a warning.
 template <class Parts>
 bool expect_named(const Parts& parts, const std::string& name, bool expected, const char* act, const char* what) {
   if (parts.contains(name) == expected) return true;

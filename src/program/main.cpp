@@ -1,5 +1,3 @@
-// manycontact: the program.
-
 #include "batch/batch.hpp"
 #include "command/execute.hpp"
 #include "command/command.hpp"

@@ -1,7 +1,7 @@
-// manycontact-mesh FILE: the triangles of an STL, OBJ or COLLADA file by assimp, nine floats each (three vertices,
-// native byte order), to standard output. With exit status 3 the output is the reason why there are none. It is a
-// separate program with limited time and memory, because assimp crashes on malicious files, such as a COLLADA node that
-// contains itself, or takes all memory.
+// manycontact-mesh FILE: reads an STL, OBJ or COLLADA file with assimp and writes its triangles to standard output,
+// nine floats each (three vertices, native byte order). If it fails, it exits with status 3 and writes the reason
+// instead. It is a separate program with limited time and memory, because assimp crashes on malicious files, such as a
+// COLLADA node that contains itself, or takes all memory.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return refuse("usage: manycontact-mesh FILE");
   alarm(60);  // seconds
   limit(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take terabytes of addresses
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of addresses
   limit(RLIMIT_AS, rlim_t(1) << 32);
 #endif
 
@@ -60,8 +60,7 @@ int main(int argc, char** argv) {
   if (format != ".dae" && format != ".obj" && format != ".stl")
     return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
 
-  // Nodes place the meshes, in metres by COLLADA's <unit>. URDF's viewers use COLLADA's axes unchanged, whatever its
-  // <up_axis>: so does rviz, for which robots are made.
+  // Nodes place the meshes, in metres by <unit>. As in rviz, the axes are those of the file, whatever its <up_axis>.
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(argv[1], 0);

@@ -62,7 +62,7 @@ class MpiCommunicator final : public Communicator {
   void sum(std::vector<std::int64_t>& numbers) override {
     MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   }
-  // Bit by bit, since 0 + -0 is not -0.
+  // Combines the numbers bit by bit, since 0 + -0 is not -0.
   void collect(double* numbers, std::int64_t count) override {
     constexpr std::int64_t kMost = std::numeric_limits<int>::max();
     for (std::int64_t first = 0; first < count; first += kMost)
@@ -94,7 +94,7 @@ int main(int argc, char** argv) {
   communicator = &all;
   const auto run = [](const Arguments& arguments) { return run_batch(arguments, *communicator); };
   const int status = run_program({command("batch", run)}, {argv + (argc > 0), argv + argc});
-  if (all.at_work()) MPI_Abort(MPI_COMM_WORLD, status);  // the others may wait for this one
+  if (all.at_work()) MPI_Abort(MPI_COMM_WORLD, status);  // the other processes may wait for this one
   MPI_Finalize();
   return status;
 }

@@ -1,5 +1,3 @@
-// Checks of states and solutions, and states that are consistent with their contacts.
-
 #include "data.hpp"
 #include "manycontact/analysis/consistent.hpp"
 #include "manycontact/analysis/near_dependent.hpp"

@@ -1,13 +1,12 @@
 #pragma once
 // Numpy arrays for Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers that are not
-// finite raise a ValueError with the reason. Objects that are no arrays of numbers raise pybind11's TypeError.
+// finite raise a ValueError with the reason. Objects that are not arrays of numbers raise pybind11's TypeError.
 //
-//   Eigen matrices, vectors    copied, both ways; what a property gives, which assigning to an element would not
-//   change,
-//                              cannot be written into
-//   Ref<const VectorXd>        not copied in where the array is contiguous float64; copied out
-//   Bounds, Raw                vectors that may have infinite numbers, any numbers
-//   view(...)                  an array on a matrix that somebody owns
+//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only, since writing into them
+//                              would not change the object
+//   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
+//   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)
+//   view(...)                  an array on the memory of a matrix, whose owner it keeps alive
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -31,31 +30,31 @@ struct Bounds {
   Eigen::VectorXd x;
 };
 
-/// A vector whose numbers the callee judges.
+/// A vector whose numbers the called function checks.
 struct Raw {
   Doubles array;
   Eigen::Map<const Eigen::VectorXd> vector() const { return {array.data(), array.size()}; }
 };
 
-/// "(3, 4)"
+/// Returns the shape as text: "(3, 4)".
 std::string shape_of(const py::array& array);
 
-/// `source` as float64 in C's order; null where it is no array of numbers (nor a sequence of such).
+/// Returns `source` as float64 in C's order; null if it is neither an array nor a sequence of numbers.
 Doubles as_doubles(py::handle source);
 
-/// The same of `dimensions` dimensions, and rows x cols where these are not Eigen::Dynamic; else ValueError.
+/// Does the same. Throws ValueError for another number of dimensions, or sizes; Eigen::Dynamic permits any size.
 Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols);
 
-/// ValueError unless all numbers are finite (`infinite`: unless none is NaN). name: of the argument; "" where unknown.
+/// Throws ValueError if a number is not finite (`infinite`: if one is NaN). name: the argument's, "" if unknown.
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
 
-/// The same array; numpy raises where it is written into.
+/// Makes the array read-only: numpy raises if it is written into.
 inline py::array read_only(py::array array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }
 
-/// An array on numbers of `owner`, which it keeps alive. Strides count doubles.
+/// Returns an array on numbers of `owner`, which it keeps alive. Strides count doubles.
 inline py::array view(const double* x, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                       py::handle owner, bool writeable) {
   for (py::ssize_t& s : strides) s *= static_cast<py::ssize_t>(sizeof(double));
@@ -69,22 +68,22 @@ py::array view(const M& m, py::handle owner, bool writeable) {
   return view(m.data(), {m.rows(), m.cols()}, {m.rowStride(), m.colStride()}, owner, writeable);
 }
 
-/// A new array of its numbers.
+/// Returns a new array with the numbers of m.
 template <class M>
 py::array copy(const M& m) {
   return view(m, py::none(), true).attr("copy")();
 }
 
-/// The same, of a property (pybind11 has reference_internal for these alone): read-only.
+/// Does the same; the copy is read-only if a property returns it (only those have the policy reference_internal).
 template <class M>
 py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
 }
 
-/// TypeError for what numpy would make numbers of, and nobody means: None (NaN), text.
+/// Throws TypeError for None and text, which numpy would convert to numbers.
 void expect_numbers_in(py::handle values);
 
-/// values -> m, of m's shape or what numpy makes one of it, as `m[...] = values` does.
+/// Assigns values to m as `m[...] = values` does: values of m's shape, or that numpy broadcasts to it.
 template <class M>
 void assign(M& m, py::handle values) {
   expect_numbers_in(values);

@@ -1,5 +1,3 @@
-// Many states of one scene.
-
 #include <chrono>
 #include <mutex>
 #include <span>
@@ -11,9 +9,9 @@ namespace manycontact::python {
 
 namespace {
 
-std::mutex one_batch;  // OpenBLAS' number of threads is the program's
+std::mutex one_batch;  // serialises batches, since OpenBLAS' number of threads is that of the process
 
-// A matrix with a row per state; numbers that are not finite make that state fail.
+// A matrix with a row per state. Numbers that are not finite make their state fail.
 struct Rows {
   Doubles array;
   ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {
@@ -46,8 +44,7 @@ struct NewRows {
 constexpr Eigen::Index kFirstChunk = 256;
 constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
 
-// work(first, count) on one chunk of the states after the other, of about a tenth of a second each: between them Ctrl-C
-// is heard.
+// Calls work(first, count) for chunks of states of about a tenth of a second each, and handles Ctrl-C in between.
 template <class Work>
 void run_batch(Eigen::Index states, Work&& work) {
   const std::unique_lock turn(one_batch, std::try_to_lock);

@@ -1,11 +1,10 @@
 #pragma once
-// Classes and functions of the module. Their docstrings and the names and default values of parameters are in
-// docs/*.txt.
+// Binds classes and functions. Their docstrings, and names and default values of parameters, are in docs/*.txt.
 //
 //   shared<Joint>(m).read<&Joint::name, &Joint::type>().read("mass", &mass_of);
 //   functions<&velocity_names>(m);
 //
-// Classes and members are called as in C++, unless a name is given.
+// Classes and members have their C++ names, unless a name is given.
 
 #include <functional>
 #include <memory>
@@ -17,10 +16,10 @@
 
 namespace manycontact::python {
 
-/// Python runs in other threads meanwhile.
+/// Lets Python run in other threads during a call.
 using Unlocked = py::call_guard<py::gil_scoped_release>;
 
-/// each(a, b), each(c, d) of a, b, c, d for N = 2.
+/// Calls each(a, b), each(c, d) for a, b, c, d and N = 2.
 template <std::size_t N, class Each, class... Given>
 void in_groups(Each&& each, const Given&... given) {
   static_assert(sizeof...(Given) % N == 0);
@@ -37,7 +36,7 @@ void in_groups(Each&& each, const Given&... given) {
 template <class T>
 class Handle;  // defined in handle.hpp
 
-/// What a class of Python's contains, and an object of it.
+/// The C++ value in an object of a Python class.
 template <class Held>
 struct ValueOf {
   using Type = Held;
@@ -51,7 +50,7 @@ struct ValueOf<Handle<T>> {
   static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
 };
 
-/// The name of a member, method or function in Python: its own, without Crocoddyl's get_.
+/// Returns the name in Python of a member, method or function: its C++ name without Crocoddyl's get_.
 template <auto member>
 std::string python_name_of() {
   std::string name = name_of<member>();
@@ -59,7 +58,7 @@ std::string python_name_of() {
   return name;
 }
 
-/// A class, its members and methods, each with its entry in docs/*.txt.
+/// A Python class. Each of its members and methods has an entry in docs/*.txt.
 template <class T, class... Options>
 class Class {
  public:
@@ -80,20 +79,20 @@ class Class {
     class_.def_static(name, std::forward<F>(f), Described{text(name)}, extra...);
     return *this;
   }
-  /// init: py::init<...>() or py::init(function).
+  /// Adds a constructor: py::init<...>() or py::init(function).
   template <class Init, class... Extra>
   requires(!std::is_convertible_v<Init, const char*>) Class& def(Init&& init, const Extra&... extra) {
     class_.def(std::forward<Init>(init), Described{text("__init__")}, extra...);
     return *this;
   }
-  /// Constructors of T by the types of their arguments: void(int, double), ...
+  /// Adds constructors, given by the types of their arguments: void(int, double), ...
   template <class... Signatures, class... Extra>
   Class& constructors(const Extra&... extra) {
     const auto add = [&]<class... Arguments>(void (*)(Arguments...)) { def(py::init<Arguments...>(), extra...); };
     (add(static_cast<Signatures*>(nullptr)), ...);
     return *this;
   }
-  /// "name", &T::method, ...
+  /// Adds methods: "name", &T::method, ...
   template <class... Given>
   Class& methods(Given... given) {
     in_groups<2>([this](const char* name, auto method) { def(name, method); }, given...);
@@ -104,7 +103,7 @@ class Class {
     (..., def(python_name_of<member>().c_str(), member));
     return *this;
   }
-  /// The same, while Python runs in other threads.
+  /// Adds methods that let Python run in other threads.
   template <class... Given>
   Class& unlocked(Given... given) {
     in_groups<2>([this](const char* name, auto method) { def(name, method, Unlocked()); }, given...);
@@ -115,7 +114,7 @@ class Class {
     (..., def(python_name_of<member>().c_str(), member, Unlocked()));
     return *this;
   }
-  /// A constructor from the members of a structure, or the first of these.
+  /// Adds a constructor from the members of a structure, or the first of them.
   template <class... Members>
   Class& from_members() {
     return def(py::init(
@@ -127,7 +126,7 @@ class Class {
     return *this;
   }
 
-  /// Attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
+  /// Adds attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
   template <class... Given>
   Class& read(Given... given) {
     in_groups<2>([this](const char* name, auto member) { read_one(name, member); }, given...);
@@ -138,7 +137,7 @@ class Class {
     (..., read_one(python_name_of<member>(), member));
     return *this;
   }
-  /// The same of what `at` gives of the object, as copies.
+  /// Adds read-only attributes of at(object), as copies.
   template <auto... member, class At>
   Class& read_at(At at) {
     const auto add = [&](const std::string& name, auto m) {
@@ -147,13 +146,13 @@ class Class {
     (..., add(python_name_of<member>(), member));
     return *this;
   }
-  /// Members that can be assigned.
+  /// Adds members that can be assigned.
   template <auto... member>
   Class& write() {
     (..., class_.def_readwrite(name_of<member>().c_str(), member, text(name_of<member>()).doc));
     return *this;
   }
-  /// "name", get, set, ...
+  /// Adds properties: "name", get, set, ...
   template <class... Given>
   Class& property(Given... given) {
     in_groups<3>([this](const char* name, auto get, auto set) { property_one(name, get, set); }, given...);
@@ -165,7 +164,7 @@ class Class {
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
-  /// An object with attributes of its own: get(owner) and set(owner, object), in Python as a Handle.
+  /// Adds an object with attributes of its own, in Python a Handle: get(owner) and set(owner, object).
   template <class Owner, class Get, class Set>
   Class& handle(const char* name, Get get, Set set) {
     using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
@@ -174,13 +173,13 @@ class Class {
     };
     return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
   }
-  /// Matrices as arrays on them, see view_property in objects.hpp.
+  /// Adds matrices as arrays on their memory; see view_property in objects.hpp.
   template <auto... member>
   Class& views() {
     (..., view_property(*this, name_of<member>().c_str(), member));
     return *this;
   }
-  /// Members of an object that is in another one, see handle_field in handle.hpp.
+  /// Adds members of an object within another one; see handle_field in handle.hpp.
   template <auto... member>
   Class& fields() {
     (..., handle_field(*this, name_of<member>().c_str(), member));
@@ -188,7 +187,7 @@ class Class {
   }
 
  private:
-  // Functions of their own, which the compiler keeps apart: one for all members of a type.
+  // Not inlined, so that all members of a type share one function.
   template <class M>
   [[gnu::noinline]] void read_one(const std::string& name, M member) {
     if constexpr (std::is_member_object_pointer_v<M>)
@@ -213,7 +212,7 @@ Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const std::string&
   return {m, name, extra...};
 }
 
-/// A function of the module, by the entry with its name, or that called `entry`.
+/// Adds a function of the module, with the docs/*.txt entry of its name, or the entry `entry`.
 template <class F, class... Extra>
 void def_as(py::module_& m, const char* name, const char* entry, F&& f, const Extra&... extra) {
   m.def(name, std::forward<F>(f), Described{text_of(entry)}, extra...);
@@ -222,7 +221,7 @@ template <class F, class... Extra>
 void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
   def_as(m, name, name, std::forward<F>(f), extra...);
 }
-/// &function, ...
+/// Adds functions under their C++ names.
 template <auto... function>
 void functions(py::module_& m) {
   (..., def(m, name_of<function>().c_str(), function));

@@ -1,5 +1,5 @@
 #pragma once
-// SceneData in Python: used by one thread at a time, and arrays on derivatives outlive the numbers' next change.
+// SceneData in Python. One thread uses it at a time. Arrays on derivatives keep their numbers after the next change.
 
 #include <unordered_map>
 
@@ -9,8 +9,7 @@
 
 namespace manycontact::python {
 
-/// The owner that numpy arrays on an island's panel keep alive: the data as long as these have the panel, then the
-/// panel itself.
+/// Keeps the memory of numpy arrays on an island's panel alive: the data while they contain the panel, then the panel.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
   AlignedPanel panel;
@@ -20,13 +19,13 @@ class Data {
  public:
   explicit Data(std::shared_ptr<SceneData> data) : data_(std::move(data)), state_(std::make_shared<State>()) {}
 
-  /// Read access, with the GIL. Throws ValueError while another thread works on the data.
+  /// Returns the data for reading, with the GIL. Throws ValueError while another thread works on them.
   SceneData& at_rest() const {
     if (state_->busy) throw_busy();
     return *data_;
   }
 
-  /// work(SceneData&) without the GIL. Arrays on derivatives keep their numbers: the data get a copy of the panel.
+  /// Calls work(SceneData&) without the GIL. Arrays on derivatives keep their numbers, since the data get a copy.
   template <class Work>
   auto use(Work&& work) const {
     const Turn turn(*state_);
@@ -35,10 +34,10 @@ class Data {
     return work(*data_);
   }
 
-  /// contact_force, whose check of the whole scene is made once for a solve and a scene.
+  /// Calls contact_force. Checks the whole scene only once per solve and scene.
   Eigen::VectorXd force_of(const Scene& scene, int contact) const;
 
-  /// An array on a block of an island's panel.
+  /// Returns an array on a block of an island's panel.
   py::array export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows, Eigen::Index cols) const;
 
  private:
@@ -65,7 +64,7 @@ class Data {
   std::shared_ptr<State> state_;
 };
 
-/// f(scene, data) as a function of Python's that returns convert(result).
+/// Returns f(scene, data) as a function for Python that returns convert(result).
 template <class F, class Convert = std::identity>
 auto with_data(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Data& data) {
@@ -76,7 +75,7 @@ auto with_data(F f, Convert convert = {}) {
       return convert(data.use(work));
   };
 }
-/// The same of f(scene, q, data).
+/// Does the same for f(scene, q, data).
 template <class F, class Convert = std::identity>
 auto at_solution(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Raw& q, const Data& data) {

@@ -1,5 +1,3 @@
-// Derivatives and products with them.
-
 #include <optional>
 
 #include "data.hpp"
@@ -25,7 +23,7 @@ void Data::let_go_of_panels() const {
     if (!keeper) continue;
     auto& X = const_cast<IslandDerivatives*>(island)->X;
     keeper->panel = X;
-    keeper->panel.swap(X);  // the arrays are on the memory, which changes hands
+    keeper->panel.swap(X);  // the keeper gets the memory that the arrays view
     keeper->data.reset();
   }
   state_->exported.clear();
@@ -33,7 +31,7 @@ void Data::let_go_of_panels() const {
 
 namespace {
 
-// DerivativeData and its islands: by the data, at the last differentiate.
+// DerivativeData of the last differentiate, and one island of it, found through the data.
 struct Derivatives {
   std::shared_ptr<Data> data;
   const DerivativeData& get() const { return derivatives(data->at_rest()); }
@@ -57,7 +55,7 @@ auto block_property(Block (IslandDerivatives::*block)() const) {
   };
 }
 
-// K of one island, or of the whole scene (island < 0), as scipy's.
+// Returns K of one island, or of the whole scene (island < 0), as a scipy matrix.
 py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   data.use([&](SceneData& d) { complete(scene, d); });
   const SceneData& d = data.at_rest();

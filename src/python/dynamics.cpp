@@ -1,5 +1,3 @@
-// Data, solutions and views of intermediate results.
-
 #include <variant>
 
 #include "data.hpp"
@@ -89,7 +87,7 @@ void add_data(py::module_& m) {
       .read_at<&S::a, &S::f, &S::v, &S::tau, &S::serial, &S::f_offset, &S::report>(&Data::at_rest);
 }
 
-// A solve at q and v with the torques called `name`.
+// Returns a function that solves at q and v with the torques called `name`.
 auto solution(decltype(solve)* of_torques, const char* name) {
   return [=](const Scene& scene, const Raw& q, const Raw& v, const Raw& torques, const Data& data) {
     const auto Q = checked("q", q), V = checked("v", v), T = checked(name, torques);
@@ -97,7 +95,7 @@ auto solution(decltype(solve)* of_torques, const char* name) {
   };
 }
 
-// An estimate that the report of the data contains.
+// Returns a function that makes an estimate and returns the report, which then contains it.
 auto reported(void (*estimate)(const Scene&, SceneData&)) {
   return with_data([estimate](const Scene& scene, SceneData& data) {
     estimate(scene, data);
@@ -147,7 +145,7 @@ void add_views(py::module_& m) {
         const Robot& owner = scene.robots[r];
         const int number = owner.model->find_frame(frame);
         if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));
-        data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or refuse the scene
+        data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or throws
         const Frame& f = owner.model->frames[number];
         return frame_placement<double>(robot_kinematics(data.at_rest(), r), owner.base, f.joint, f.placement);
       });

@@ -1,7 +1,7 @@
 #pragma once
-// Enumerations in Python: members by Python's names, and their names wherever a value is taken.
+// Enumerations in Python. Wherever a value is expected, these are equivalent:
 //
-//   Method.SPARSE_LDL    'sparse-ldl'    'sparse_ldl'    'SPARSE_LDL'        all the same
+//   Method.SPARSE_LDL    'sparse-ldl'    'sparse_ldl'    'SPARSE_LDL'
 
 #include <pybind11/pybind11.h>
 
@@ -17,7 +17,7 @@ namespace py = pybind11;
 
 namespace manycontact::python {
 
-/// Lower case, with '-' between words.
+/// Returns the name in lower case, with '-' between words.
 std::string plain(std::string name);
 
 /// The names of the members of an enumeration, set by add_enumeration.
@@ -32,7 +32,7 @@ struct Names {
   static inline std::vector<Member> members;
 };
 
-/// The member called `name`, in either way; else a ValueError that lists them.
+/// Returns the member called `name`, in any of these ways. Throws a ValueError that lists the members if there is none.
 template <class E>
 E value_called(const std::string& name) {
   const std::string asked = plain(name);
@@ -44,7 +44,7 @@ E value_called(const std::string& name) {
   throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
 }
 
-/// Takes strings too.
+/// Converts members, and strings with their names.
 template <class E>
 struct EnumCaster : py::detail::type_caster_base<E> {
   bool load(py::handle source, bool convert) {
@@ -61,9 +61,8 @@ struct EnumCaster : py::detail::type_caster_base<E> {
 /// "SPARSE_LDL" of "kSparseLdl"; other names are Python's.
 std::string python_name(const std::string& enumerator);
 
-/// The entry of the enumeration in docs/*.txt has the word that errors use for a member. Values: all members of an
-/// unscoped enumeration; none for a scoped one, whose members are numbered from 0. Members without a C++ word
-/// (to_string) are called by Python names.
+/// Binds an enumeration; its entry in docs/*.txt has the word that errors use for a member. values: all members of an
+/// unscoped enumeration; those of a scoped one are numbered from 0. Members without a C++ word have Python names.
 template <class E, E... values>
 void enumeration(py::module_& m, const char* prefix = "") {
   constexpr bool has_words = requires(E x) {
@@ -80,7 +79,7 @@ void enumeration(py::module_& m, const char* prefix = "") {
     std::string word = python;
     if constexpr (has_words) word = to_string(value);
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
-    if (word.starts_with('-')) word.erase(0, 1);  // "0" of _0
+    if (word.starts_with('-')) word.erase(0, 1);  // "-0", from _0, becomes "0"
     Names<E>::members.push_back({value, word, python});
   };
   if constexpr (sizeof...(values) > 0)
@@ -104,6 +103,5 @@ void enumeration(py::module_& m, const char* prefix = "") {
 
 }  // namespace manycontact::python
 
-/// Every enumeration.
 template <class E>
 struct pybind11::detail::type_caster<E, std::enable_if_t<std::is_enum_v<E>>> : manycontact::python::EnumCaster<E> {};

@@ -1,10 +1,10 @@
 #pragma once
-// Objects that lie inside others: scene.contacts[0], scene.contacts[0].B, data.options. In Python each is a Handle: it
-// knows how to find the object and how to assign it, so that
+// Objects within others: scene.contacts[0], scene.contacts[0].B, data.options. In Python each is a Handle, which finds
+// the object and assigns it, so that
 //
 //     scene.contacts[0].alpha = 9
 //
-// changes the scene, and assignments that are not possible raise. A Handle of an independent Python object contains it.
+// changes the scene, and impossible assignments raise. A Handle of an independent Python object contains the object.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -34,11 +34,11 @@ class Handle {
     find_ = [held]() -> const T& { return *held; };
     set_ = [held](T x) { *held = std::move(x); };
   }
-  /// set: judges what is to be assigned, and throws where it does not fit.
+  /// set: checks the new value, and throws if it does not fit.
   Handle(Find find, Set set) : find_(std::move(find)), set_(std::move(set)) {}
 
   const T& get() const { return find_(); }
-  /// change(T&) on a copy, which is assigned then.
+  /// Calls change(T&) on a copy, and assigns the copy.
   template <class Change>
   void change(Change&& change) const {
     T changed = get();
@@ -51,7 +51,7 @@ class Handle {
   Set set_;
 };
 
-/// A T where C++ takes or gives one: a Handle's.
+/// Converts between a T in C++ and a Handle in Python.
 template <class T>
 struct HandleCaster {
   PYBIND11_TYPE_CASTER(T, py::detail::const_name<Handle<T>>());
@@ -69,7 +69,7 @@ struct HandleCaster {
 template <class M>
 inline constexpr bool is_handled = std::is_base_of_v<HandleCaster<M>, py::detail::type_caster<M>>;
 
-/// A member as a property; one that has attributes itself as a Handle.
+/// Adds a member as a property; a member that has attributes itself as a Handle.
 template <class T, class M>
 void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
   const auto set = [member](const Handle<T>& h, M x) { h.change([&](T& object) { object.*member = std::move(x); }); };

@@ -1,5 +1,3 @@
-// Placements, models and URDF files.
-
 #include <optional>
 #include <variant>
 
@@ -54,7 +52,7 @@ void add_placements(py::module_& m) {
       });
 }
 
-// A list of a model's joints or frames, which keeps the model.
+// Returns a list of a model's joints or frames, which keeps the model alive.
 template <class T>
 Items<std::shared_ptr<T>> items_of(const std::shared_ptr<Model>& model, std::vector<T> Model::*list,
                                    int (Model::*find)(const std::string&) const) {
@@ -87,7 +85,7 @@ void add_findings(py::module_& m) {
 
 using OneOrMany = std::variant<double, Eigen::VectorXd>;
 
-// Factors or values per joint or coordinate: one number for all, or as many.
+// Returns `count` factors or values, per joint or coordinate, from one number for all or from as many.
 Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count) {
   const Eigen::VectorXd x =
       given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
@@ -96,7 +94,7 @@ Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count
   return x;
 }
 
-// One value is that of every joint: a floating base has none. Otherwise there is one value for each velocity.
+// One value applies to every joint except a floating base. Otherwise there is one value for each velocity.
 Eigen::VectorXd per_velocity(const char* name, const OneOrMany& given, const Model& model) {
   Eigen::VectorXd x = per(name, given, model.nv);
   for (const Joint& joint : model.joints)
@@ -155,7 +153,7 @@ void add_robot_models(py::module_& m) {
       .methods<&varied, &Model::find_frame, &Model::find_joint, &Model::mass>()
       .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
 
-  // Names in any iterable: a list as well as a set, but not the letters of a word.
+  // Reads names from any iterable, such as a list or a set, but not the letters of a word.
   const auto names = [](const char* what, const py::iterable& given) {
     if (py::isinstance<py::str>(given)) throw py::type_error(std::string("load_urdf: ") + what + " is a list of names");
     std::set<std::string> out;

@@ -1,4 +1,4 @@
-// The module manycontact._manycontact; the package's __init__.py shows its names as manycontact's.
+// The module manycontact._manycontact. The package's __init__.py exports its names as manycontact's.
 
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/version.hpp"
@@ -36,15 +36,15 @@ void translate(std::exception_ptr thrown) {
     error.attr("line") = e.line;
     error.attr("message") = e.message;
     PyErr_SetObject(input_error_type.ptr(), error.ptr());
-  } catch (const py::cast_error& e) {  // a shared object among them
+  } catch (const py::cast_error& e) {  // also for shared objects
     const bool empty = std::string(e.what()).find("non-held") != std::string::npos;
     PyErr_SetString(PyExc_TypeError, empty ? kIsEmpty : e.what());
-  } catch (const std::logic_error& e) {  // std::invalid_argument too
+  } catch (const std::logic_error& e) {  // also std::invalid_argument
     PyErr_SetString(PyExc_ValueError, e.what());
   }
 }
 
-// SceneData.__new__(SceneData) contains no SceneData: pybind11 would allocate memory for one and use that.
+// Refuses SceneData.__new__(SceneData), which has no SceneData: pybind11 would use uninitialised memory as one.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;

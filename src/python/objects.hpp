@@ -1,5 +1,4 @@
 #pragma once
-// Declarations that the files of the bindings share: ownership, and when Python may run.
 
 #include <pybind11/stl.h>
 
@@ -16,13 +15,13 @@
 
 namespace manycontact::python {
 
-/// A Python object that C++ keeps; let go from any thread.
+/// Keeps a Python object alive for C++, which may release it in any thread.
 std::shared_ptr<void> keep(py::handle object);
 
-/// A number of threads that a machine can start; 0: OpenMP's.
+/// Returns `threads`, 0 for OpenMP's number. Throws ValueError for more than 1024.
 int checked_threads(int threads);
 
-/// The output of operator<<, for __str__.
+/// Returns the output of operator<<, for __str__.
 template <class T>
 std::string text_of(const T& x) {
   std::ostringstream out;
@@ -30,8 +29,7 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// A class's member matrix as a property: an array on it, which keeps the object; assignment writes into it. Only for
-/// members that keep their size.
+/// Adds a member matrix of constant size as a property: an array on its memory, which assignment writes into.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(
@@ -39,16 +37,16 @@ void view_property(Class<T, Options...>& c, const char* name, M member) {
       [member](T& self, py::handle values) { assign(self.*member, values); });
 }
 
-/// A scene's, by number or name.
+/// Return a scene's items, found by number or name.
 Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
 
-/// The numbers of `given`, which are finite; the second function expects `size` of them.
+/// Return the numbers of `given`. Throw ValueError unless they are finite and, in the second function, `size` many.
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given);
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given, Eigen::Index size);
 
-/// The numbers of members of an enumeration, such as Status, as an array.
+/// Returns the numbers of members of an enumeration, such as Status, as an array.
 template <class E>
 py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   py::array_t<std::int8_t> out(static_cast<py::ssize_t>(members.size()));
@@ -56,20 +54,20 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// (n, 6) on wrenches of `owner`; and from such an array, as many.
+/// Return an array (n, 6) on the wrenches of `owner`, and set as many wrenches from such an array.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
-/// The same as a copy.
+/// Returns the wrenches as a copy.
 Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w);
 
-/// An array of bools that views flags 0 or 1, and keeps their owner alive.
+/// Returns an array of bools that views flags 0 or 1, and keeps their owner alive.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
-/// values -> flags, of as many: bools, numpy's, or the whole numbers 0 and 1. name: for errors.
+/// Sets flags from as many bools, numpy bools, or whole numbers 0 and 1. name: used in errors.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
-/// Flags of a scene's contacts. None: as the scene has them.
+/// Returns flags of a scene's contacts. None: those of the scene.
 std::vector<char> flags_of(const Scene& scene, const py::object& active);
 
-/// A sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
+/// Returns a sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
 py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
@@ -94,8 +92,7 @@ void add_twins(py::module_& m);
 void add_solvers(py::module_& m);
 void add_task(py::module_& m);
 
-/// A shared_ptr to an object that Python made of a class of its own keeps the Python object, whose methods and
-/// attributes C++ would lose otherwise.
+/// Lets a shared_ptr to an object of a class defined in Python keep the Python object, with its methods and attributes.
 template <class T>
 struct KeepingCaster : py::detail::copyable_holder_caster<T, std::shared_ptr<T>> {
   using Base = py::detail::copyable_holder_caster<T, std::shared_ptr<T>>;

@@ -1,5 +1,3 @@
-// Options of a solve, and the status and accuracy of a solution.
-
 #include "manycontact/analysis/remedy.hpp"
 #include "objects.hpp"
 

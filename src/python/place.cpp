@@ -1,5 +1,3 @@
-// Inverse kinematics of a scene.
-
 #include "manycontact/analysis/place.hpp"
 
 #include "rigid_bodies.hpp"

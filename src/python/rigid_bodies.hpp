@@ -1,5 +1,5 @@
 #pragma once
-// RigidBodies in Python: a Scene, a Model or an object of that class; frames by name.
+// RigidBodies in Python: a Scene, a Model or a RigidBodies; frames by name.
 
 #include <variant>
 

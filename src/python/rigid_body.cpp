@@ -17,7 +17,7 @@ using Memory = std::shared_ptr<RigidBodyData>;
 using Forces = std::optional<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
 using Three = std::tuple<Matrix, Matrix, Matrix>;
 
-// work(data) with the data given, or for None with new ones.
+// Calls work(data) with the given data, or with new data for None.
 template <class Work>
 auto with(const RigidBodies& bodies, const Memory& data, Work&& work) {
   if (data) return work(*data);
@@ -75,7 +75,7 @@ void add_manifold(py::module_& m) {
   });
 }
 
-// f of the inputs and the data given, or for None new ones; a copy of its result.
+// Returns a function that copies the result of f(bodies, inputs, data), with new data for None.
 template <class... Inputs, class F>
 auto of_state(F f) {
   return [f](const RigidBodies& bodies, Inputs... in, const Memory& data) {
@@ -83,7 +83,7 @@ auto of_state(F f) {
   };
 }
 
-// The same with forces on the bodies, and what `convert` makes of the result.
+// Does the same with forces on the bodies, and converts the result with `convert`.
 template <class Result, class Convert = std::identity>
 auto with_forces(const Result& (*f)(const RigidBodies&, const Input&, const Input&, const Input&, RigidBodyData&,
                                     ForcesOnBodies),
@@ -126,7 +126,7 @@ void add_joint_space(py::module_& m) {
 
 using Motion = Vec6<double> (*)(const RigidBodies&, RigidBodyData&, const Attachment&, ReferenceFrame);
 
-// The motion of a frame, or of one by its name.
+// Returns a function for the motion of a frame, which may be given by name.
 auto of_frame(Motion motion) {
   return [motion](const RigidBodies& bodies, RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
     return motion(bodies, data, frame_in(bodies, frame), axes);

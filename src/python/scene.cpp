@@ -1,5 +1,3 @@
-// Scenes, their contacts and their files.
-
 #include "manycontact/analysis/load_scene.hpp"
 #include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/model/suggestion.hpp"
@@ -39,7 +37,7 @@ void add_contacts(py::module_& m) {
 
 // ---- scenes --------------------------------------------------------------------------------------------------------
 
-// Another model of the same structure: what is attached to one of the robot's frames stays there.
+// Replaces a robot's model by one of the same structure. Items attached to a frame of the robot stay on that frame.
 void take_model(Scene& scene, std::size_t number, const std::shared_ptr<const Model>& model) {
   const std::shared_ptr<const Model> old = scene.robots.at(number).model;
   if (model == old) return;
@@ -91,7 +89,7 @@ Handle<Contact> contact_data(const std::shared_ptr<Scene>& scene, const std::str
   return contacts_of(scene).at(static_cast<std::size_t>(contact_called(*scene, name)));
 }
 
-// The members that may change while data are in use.
+// Changes those members of a contact that may change while data are in use.
 void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
                     const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
                     std::optional<ReferenceFrame> frame) {
@@ -102,7 +100,7 @@ void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name
   });
 }
 
-// A number of a scene that has to be finite and not below 0, or above 0.
+// Returns a setter for a number of a scene that must be finite and not below 0 (`zero`), or above 0.
 auto set_number(const char* name, double Scene::*member, bool zero) {
   return [=](Scene& scene, double x) {
     if (!(zero ? x >= 0 : x > 0) || !std::isfinite(x))

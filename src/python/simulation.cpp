@@ -1,5 +1,3 @@
-// Simulation of a scene.
-
 #include <chrono>
 #include <mutex>
 #include <variant>
@@ -35,7 +33,7 @@ auto got(M SimulationData::*member) {
   return [member](const Simulation& s) { return s.at_rest().*member; };
 }
 
-// Assigns a whole vector of the same size.
+// Returns a function that assigns a whole vector of the same size.
 auto put(const char* name, Vector SimulationData::*member) {
   return [=](const Simulation& s, const Vector& from) {
     Vector& to = s.at_rest().*member;
@@ -46,7 +44,7 @@ auto put(const char* name, Vector SimulationData::*member) {
   };
 }
 
-// States every so many steps.
+// States of a simulation, every so many steps.
 struct Trajectory {
   std::vector<double> t;
   std::vector<Vector> q, v;
@@ -60,7 +58,7 @@ py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
   return read_only(std::move(out));
 }
 
-// Ctrl-C is heard every so often, whatever a step takes.
+// Checks for Ctrl-C between steps, at most every 50 ms.
 class Signals {
  public:
   void look() {
@@ -76,7 +74,7 @@ class Signals {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// Steps until steps are done, one is not kOk, or Ctrl-C. u: (nu), or a row per step.
+// Makes `steps` steps, or ends before if one is not kOk or Ctrl-C is pressed. u: (nu), or a row per step.
 Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, long steps, long every) {
   if (steps < 0 || every < 1) throw py::value_error("simulate: steps >= 0 and every >= 1 are expected");
   const Doubles U = as_doubles(u);

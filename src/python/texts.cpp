@@ -15,10 +15,10 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-std::map<std::string, std::size_t> taken;  // how many overloads of a key were asked for
+std::map<std::string, std::size_t> taken;  // number of overloads of a key that were used
 py::handle names_of_defaults;
 
-// pybind11 copies names when the function is complete, not before.
+// Keeps the name, since pybind11 copies names only when the function is complete.
 const char* kept(std::string_view name) {
   static std::set<std::string> names;
   return names.emplace(name).first->c_str();

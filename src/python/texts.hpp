@@ -16,35 +16,35 @@ struct Text {
   const char* doc;
 };
 
-/// Every entry of docs/*.txt by its key; overloads are in their order.
+/// Returns all entries of docs/*.txt by key; overloads are in their order.
 std::span<const Text> texts();
 
-/// The entry of a function, class or member; of overloads, the first one that was not asked for yet. Throws where there
+/// Returns the entry of a function, class or member; of overloads, the first one that was not used yet. Throws if there
 /// is none. Methods with underscores, such as __repr__, need none.
 const Text& text_of(const std::string& key);
 
-/// Throws where an entry of docs/*.txt was not asked for.
+/// Throws if an entry of docs/*.txt was not used.
 void expect_all_texts_taken();
 
-/// "status" of "... [with auto V = &manycontact::Report::status; ...]", what the compiler calls a function template; ""
-/// where it has no name, as a number that is no member of an enumeration.
+/// Returns "status" for "... [with auto V = &manycontact::Report::status; ...]", the compiler's name of a function
+/// template; "" if V has no name, as a number that is no member of an enumeration.
 std::string name_in(const char* function);
 
-/// "status" of &Report::status, "kSparseLdl" of Method::kSparseLdl; "" where an enumeration has no such member.
+/// Returns "status" for &Report::status, "kSparseLdl" for Method::kSparseLdl; "" if V is no member of its enumeration.
 template <auto V>
 std::string name_of() {
   return name_in(__PRETTY_FUNCTION__);
 }
-/// "Joint" of manycontact::Joint and of Handle<Joint>.
+/// Returns "Joint" for manycontact::Joint and for Handle<Joint>.
 template <class V>
 std::string type_name() {
   return name_in(__PRETTY_FUNCTION__);
 }
 
-/// The names in which default values are evaluated.
+/// Sets the module whose names may occur in default values.
 void set_names_of_defaults(const py::module_& m);
 
-/// An attribute of a function of pybind11's: the parameters and docstring of its entry.
+/// A pybind11 attribute of a function: the parameters and docstring of its entry.
 struct Described {
   const Text& text;
 };

@@ -1,6 +1,5 @@
 #pragma once
-// Plain structures as Python's values: copied, compared and pickled member by member. A structure with a member that is
-// no data, such as a function, raises when it is pickled.
+// Plain structures as Python values: copied, compared and pickled by member. Members that are functions do not pickle.
 
 #include <cmath>
 #include <optional>
@@ -33,7 +32,7 @@ template <class V>
 inline constexpr bool is_map<std::unordered_map<std::string, V>> = true;
 using SharedModel = std::shared_ptr<const Model>;
 
-/// The members of a plain structure as a tuple of references, found by the compiler: none can be forgotten.
+/// Returns the members of a plain structure as a tuple of references, found by the compiler: none can be forgotten.
 template <class T>
 auto members(T& x) {
   return tied<std::remove_const_t<T>>(x);
@@ -46,7 +45,7 @@ bool equal(const T& a, const T& b) {
   } else if constexpr (std::is_floating_point_v<T>) {
     return a == b || (std::isnan(a) && std::isnan(b));  // NaN: quantities that were not estimated
   } else if constexpr (std::is_same_v<T, SolveTimes>) {
-    return true;  // measured
+    return true;  // measured times are not compared
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return a == b || (a && b && equal(*a, *b));
   } else if constexpr (is_vector<T>) {
@@ -81,9 +80,9 @@ py::object pack(const T& x) {
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return py::cast(std::const_pointer_cast<Model>(x));  // pickled once, however many share it
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
-    return py::none();  // finalize finds it
+    return py::none();  // finalize computes it
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {
-    return py::none();  // no contact of a user's has any
+    return py::none();  // contacts of users have none
   } else if constexpr (is_vector<T>) {
     py::list out;
     for (const auto& item : x) out.append(pack<typename T::value_type>(item));
@@ -149,7 +148,7 @@ void unpack(py::handle from, T& x) {
   }
 }
 
-/// copy and deepcopy. Shared constants, such as models, remain shared.
+/// Adds copy and deepcopy. Shared constants, such as models, remain shared.
 template <class Held, class... Options>
 Class<Held, Options...>& add_copy(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
@@ -158,7 +157,7 @@ Class<Held, Options...>& add_copy(Class<Held, Options...>& c) {
           "__deepcopy__", [](const Held& x, const py::dict&) { return Value::make(Value::get(x)); }, py::arg("memo"));
 }
 
-/// copy, deepcopy, == and pickle of a structure.
+/// Adds copy, deepcopy, == and pickle of a structure.
 template <class Held, class... Options>
 Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
@@ -174,7 +173,7 @@ Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
       .pickle([](const Held& x) { return pack(Value::get(x)); }, unpacked);
 }
 
-/// A class of such structures.
+/// Binds a plain structure.
 template <class T, class... Options>
 Class<T, Options...> value(py::module_& m, const std::string& name = type_name<T>()) {
   Class<T, Options...> c(m, name);

@@ -1,4 +1,4 @@
-// A minute of the attack has fixed seeds, one test for each kind of hostility. `./run attack` continues from there.
+// A minute of the attack with fixed seeds, one test for each kind of hostility; `./run attack` continues from there.
 
 #include <gtest/gtest.h>
 
@@ -31,9 +31,9 @@ struct Kinds {
 };
 void PrintTo(const Kinds& k, std::ostream* out) { *out << k.name; }
 
-std::vector<double> bound_over_error;  // of all kinds
+std::vector<double> bound_over_error;  // values of all kinds
 
-// At the end, if all kinds were judged: whether bounds are tight.
+// Tests at the end whether bounds are tight, if all kinds were judged.
 class TightBounds : public testing::Environment {
   void TearDown() override {
     if (bound_over_error.size() < 10000) return;
@@ -64,7 +64,7 @@ TEST_P(Attack, FindsNothing) {
   EXPECT_GE(judged, tried / 2);
 }
 
-// With long moment arms the null space of J^T in double is too far from the true one.
+// With long moment arms the null space of J^T in double precision is not accurate enough.
 TEST(ExtendedPrecision, FindsTheForcesOfLeastNorm) {
   const test::TemporaryFolder folder;
   const std::pair<std::uint64_t, Words> cases[] = {{602548, {"damper", "lever"}},
@@ -116,7 +116,7 @@ std::vector<Robot> robots() {
   return list;
 }
 
-// Feet have fewer contact rows than coordinates, and more than their legs move.
+// Feet have fewer contact rows than the robot has coordinates, and more than their legs' joints move.
 TEST(Postures, AtRestFindNothing) {
   const test::TemporaryFolder folder;
   for (const Robot& robot : robots())
@@ -146,7 +146,7 @@ TEST(Mechanisms, FindNothing) {
     SCOPED_TRACE(c.name);
     const Reference truth(c);
     ASSERT_EQ(truth.ranks().size(), 1u);
-    EXPECT_EQ(truth.ranks().front(), truth.nv() - 1);  // one degree of freedom: it moves
+    EXPECT_EQ(truth.ranks().front(), truth.nv() - 1);  // one degree of freedom remains
     const Judgement j = judge(c, folder.path().string(), test::methods());
     EXPECT_TRUE(j.judged);
     expect_nothing(c, j);
@@ -155,7 +155,7 @@ TEST(Mechanisms, FindNothing) {
 
 // ---- the reference itself -------------------------------------------------------------------------------------
 
-// Its derivatives agree with central differences of its solutions, q on the manifold.
+// Derivatives of the reference agree with central differences of its solutions, q on the manifold.
 TEST(TheReference, DerivativesAreThoseOfItsAnswers) {
   for (int seed = 0; seed < 12; ++seed) {
     const Case c = random_case(seed, seed % 2 ? Words{"redundant", "exact"} : Words{"gains", "drift"});
@@ -211,11 +211,11 @@ TEST(TheJudge, FindsWhatIsWrong) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(judge(c, folder.path().string(), {Method::kSparseLdl}).findings.empty());
   Case other = c;
-  other.trees[0].links.back().mass *= 1 + 1e-9;  // the library is given another scene than the reference
+  other.trees[0].links.back().mass *= 1 + 1e-9;  // the library's scene differs from the reference's
   EXPECT_FALSE(judge_as(c, other, folder.path().string(), {Method::kSparseLdl}).findings.empty());
 }
 
-// Each precision attains what it claims: bounds are tight enough to reveal an error of a billionth in a mass.
+// Each precision attains its claim: bounds are tight enough to reveal an error of a billionth in a mass.
 TEST(TheJudge, KnowsWhatAPrecisionClaims) {
   const Case c = random_case(1, {});
   const test::TemporaryFolder folder;

@@ -87,7 +87,7 @@ const char* type_of(Kind k) {
   return "fixed";
 }
 
-// Returns the first tree that has the same file.
+// Returns the first tree whose file has the same text.
 int first_alike(const Case& c, int k) {
   const std::string text = urdf_text(c.trees[k]);
   int first = 0;

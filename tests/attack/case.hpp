@@ -1,6 +1,6 @@
 #pragma once
-// A scene to attack with, as plain numbers. The library reads it as URDF and scene file; the reference computes from
-// the numbers. Units are SI, coordinates are in the library's order.
+// A scene for attacks, as plain numbers. The library reads it as URDF and scene file; the reference uses the numbers.
+// Units are SI, coordinates are in the library's order.
 
 #include <array>
 #include <cstdint>
@@ -17,27 +17,27 @@ enum class Kind { kRevolute, kPrismatic, kFloating, kPlanar, kFixed };
 constexpr int nq_of(Kind k) { return k == Kind::kFloating ? 7 : k == Kind::kPlanar ? 3 : k == Kind::kFixed ? 0 : 1; }
 constexpr int nv_of(Kind k) { return k == Kind::kFloating ? 6 : k == Kind::kPlanar ? 3 : k == Kind::kFixed ? 0 : 1; }
 
-struct Link {  // and the joint that carries it
+struct Link {  // a link and the joint that carries it
   std::string name, joint;
-  int parent = -1;  // link; -1: the root
+  int parent = -1;  // parent link; -1: the root
   Kind kind = Kind::kRevolute;
-  Numbers xyz = {}, rpy = {}, axis = {0, 0, 1};  // of the joint in its parent link
+  Numbers xyz = {}, rpy = {}, axis = {0, 0, 1};  // placement and axis of the joint in its parent link
   double mass = 0;
   Numbers com = {}, com_rpy = {};
   std::array<double, 6> inertia = {};  // ixx ixy ixz iyy iyz izz about the centre of mass
   double armature = 0;
   std::optional<double> locked;  // fixed at this value
   double stiffness = 0, rest = 0, damping = 0;  // spring and damper in the joint
-  // Traversed backwards: xyz, rpy and axis are those of the parent's frame in this link, q the parent's in it. The file
-  // has the joint like this, from a root of its own.
+  // Whether the joint is traversed backwards: xyz, rpy and axis are those of the parent's frame in this link, and q
+  // moves the parent. The file contains the joint in this direction, with another root.
   bool reversed = false;
-  int iq = -1, iv = -1;          // within the tree's q and v; set by number_coordinates
+  int iq = -1, iv = -1;          // indices in the tree's q and v; set by number_coordinates
 
   bool moves() const { return nv_of(kind) > 0 && !locked; }
 };
 
 struct Tree {
-  std::string urdf;  // path of the file it came from; empty: it is written
+  std::string urdf;  // path of the tree's file; empty: write_case writes one
   bool floating = false;
   Numbers xyz = {}, rpy = {};  // of a fixed base
   std::vector<Link> links;     // parents first, the root first of all
@@ -63,10 +63,10 @@ struct Hold {      // a contact
 struct ExternalWrench {
   int tree = 0, link = 0;
   Numbers offset = {}, force = {}, torque = {};
-  bool world = false;  // in the world's axes
+  bool world = false;  // whether it is in the world's axes
 };
 
-struct Spring {  // and damper, between two points
+struct Spring {  // a spring and damper between two points
   int tree = 0, link = 0;
   Numbers offset = {};
   int to_tree = -1, to_link = 0;  // -1: the world
@@ -87,7 +87,7 @@ struct Case {
 
   int nv() const;
   int rows() const;
-  int wrench_entries() const { return static_cast<int>(6 * wrenches.size()); }  // entries of all wrenches
+  int wrench_entries() const { return static_cast<int>(6 * wrenches.size()); }
 };
 
 /// Sets iq, iv of all links, nq, nv: depth first, children in the byte order of their joints' names.
@@ -96,8 +96,7 @@ void number_coordinates(Tree& tree);
 /// Returns the link whose joint moves this one, past fixed and locked joints; -1: none does.
 int moving_link(const Tree& tree, int link);
 
-/// Leaves out what the library refuses: contacts and springs of a body with itself, or of two that cannot move, and
-/// wrenches on bodies that cannot move.
+/// Removes what the library refuses: contacts and springs of a body with itself, and elements on immovable bodies only.
 void drop_refused(Case& c);
 
 /// Returns the scene file's text; trees that come from no file are named r<k>.urdf in its folder.
@@ -109,7 +108,7 @@ std::string write_case(const Case& c, const std::string& folder);
 /// Returns a robot from its URDF, at its neutral state.
 Tree read_tree(const std::string& urdf, bool floating);
 
-/// Dimensions of hostility, each on its own or together.
+/// Dimensions of hostility, which can be combined.
 inline const std::vector<std::string> kDimensions = {
     "mass",  "massless", "armature", "lock",   "fast",      "force", "still",   "posture", "gravity", "weightless",
     "many",  "pairs",    "multi",    "gains",  "drift",     "near",  "damping", "units",   "mixed",   "redundant",

@@ -49,13 +49,13 @@ class Random {
 Numbers scaled(Numbers x, double by) { return {x[0] * by, x[1] * by, x[2] * by}; }
 Numbers sum(const Numbers& x, const Numbers& y) { return {x[0] + y[0], x[1] + y[1], x[2] + y[2]}; }
 
-// Returns the inertia of a box of random sides, not rotated: its frame is.
+// Returns the inertia of a box of random sides, in axes along them.
 std::array<double, 6> box_inertia(Random& r, double mass) {
   const double x = r.uniform(0.05, 0.4), y = r.uniform(0.05, 0.4), z = r.uniform(0.05, 0.4), m = mass / 12;
   return {m * (y * y + z * z), 0, 0, m * (x * x + z * z), 0, m * (x * x + y * y)};
 }
 
-struct Makes {  // one scene
+struct Makes {  // makes one scene
   Random r;
   std::set<std::string> dimensions;
   bool has(const char* name) const { return dimensions.count(name) > 0; }
@@ -157,7 +157,7 @@ void Makes::near_aligned(Tree& t) {
   }
 }
 
-// Gives the file another root: a link with only joints of one coordinate before it.
+// Gives the file another root: a link that only joints with one coordinate connect with the old root.
 void Makes::reverse(Tree& t) {
   int at = r.below(static_cast<int>(t.links.size()));
   const auto passes = [&](int i) { return nv_of(t.links[i].kind) <= 1; };
@@ -223,7 +223,7 @@ Hold Makes::hold(const Case& c) {
   return h;
 }
 
-// Returns another hold that depends on it, exactly or nearly.
+// Returns another contact that depends on `h`, exactly or nearly.
 Hold Makes::copy_of(const Hold& h) {
   Hold c = h;
   const double off = has("near") ? std::pow(10, -1.0 - r.below(16)) : 0;
@@ -271,7 +271,7 @@ void Makes::rescale(Case& c, double length, double mass, bool last_alone) {
   if (!last_alone) c.gravity = scaled(c.gravity, length);
 }
 
-// Adds robots of one file or two, in states of their own, with alike contacts on most of them.
+// Adds robots of one file or two, in different states, most of them with similar contacts.
 void Makes::herd(Case& c) {
   for (int kinds = 1 + r.below(2); kinds > 0; --kinds) {
     const Tree one = tree(1 + r.below(3));
@@ -291,7 +291,7 @@ void Makes::herd(Case& c) {
       if (r.chance(0.5)) c.holds.back().offset = r.vector(0.2);
     }
   }
-  // some of them form a chain, others are separate
+  // springs couple some of them in a chain, others are separate
   const int trees = static_cast<int>(c.trees.size());
   for (int k = has("spring") ? r.below(trees) : 0; k > 0; --k) {
     Spring s = spring(c);
@@ -372,7 +372,7 @@ Case Makes::make() {
   return c;
 }
 
-std::uint64_t mixed(std::uint64_t seed) {  // splitmix64: neighbours share nothing
+std::uint64_t mixed(std::uint64_t seed) {  // splitmix64: seeds that are neighbours give unrelated numbers
   seed += 0x9e3779b97f4a7c15u;
   seed = (seed ^ (seed >> 30)) * 0xbf58476d1ce4e5b9u;
   seed = (seed ^ (seed >> 27)) * 0x94d049bb133111ebu;

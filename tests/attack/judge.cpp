@@ -23,16 +23,16 @@ namespace manycontact::attack {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr double kNoise = 100;  // times the effect on the truth of an eps in every number of the input
+constexpr double kNoise = 100;  // allowed multiple of the truth's change by an eps in every number of the input
 constexpr int kBlurs = 4;
 constexpr double kQuadRounding = 1e-32;  // error of a truth in quadruple precision, times the condition
-// Precision requires: a solution in single is refused beyond this error, one in extended is as accurate as this up to a
-// condition.
+// Errors that precisions allow: a solution in single is refused beyond the first; one in extended is at most wrong by
+// the second, up to the condition.
 constexpr double kMostOfSingle = 1e-2, kMostOfExtended = 4 * kEps, kMostCondition = 1e15;
 
 double most(double a, double b) { return a > b || std::isnan(a) ? a : b; }
 
-// Returns |x - truth|, maximum norm, over some entries.
+// Returns |x - truth| in the maximum norm, over some entries.
 double distance(std::span<const double> x, const Column& truth, std::size_t first, std::size_t count) {
   double d = 0;
   for (std::size_t k = first; k < first + count; ++k) d = most(static_cast<double>(fabsq(Quad(x[k]) - truth[k])), d);
@@ -52,7 +52,7 @@ std::string text(const char* format, auto... values) {
   return line;
 }
 
-// Contains a case, its truths, and their changes when its numbers change.
+// A case, its truths, and their changes when its numbers change.
 struct Trial {
   explicit Trial(const Case& given) : c(given), truth(given) {}
 
@@ -79,8 +79,7 @@ struct Trial {
   void blur() {
     for (int k = 0; blurs.empty() || k < kBlurs; ++k) blurs.push_back(std::make_unique<Reference>(blurred(c, k)));
   }
-  // Returns whether the rank is constant near this configuration. At a singular one, and where a mechanism closes with
-  // redundant rows, it is not, and no derivative exists.
+  // Whether the rank is constant nearby. If not (singular; or mechanisms closed redundantly), no derivative exists.
   bool rank_is_constant() {
     const int rank = truth.ranks().front();
     if (rank == std::min(truth.rows(), truth.nv())) return true;
@@ -122,15 +121,15 @@ struct Trial {
   }
 };
 
-constexpr int kKinds = 4;  // of coordinates: q, v, u, and the wrenches of wrenches
+constexpr int kKinds = 4;  // kinds of coordinates: q, v, u, and external wrenches
 
-struct Blocks {  // derivatives
+struct Blocks {  // blocks of derivatives
   const Eigen::MatrixXd *a[kKinds], *f[kKinds];
 };
 
 struct Probe;
 
-// Contains one method's solution.
+// The solution of one method.
 struct Trying {
   Trial& trial;
   const SceneFile& file;
@@ -148,7 +147,7 @@ struct Trying {
 
   void find(Fault fault, std::string words) { out.findings.push_back({fault, name, std::move(words)}); }
   bool one_island() const { return data.report.islands.size() == 1; }
-  // Returns whether an island was solved in this precision.
+  // Whether an island was solved in this precision.
   bool in(Precision precision) const {
     return std::ranges::any_of(data.report.islands, [=](const auto& i) { return i.precision == precision; });
   }
@@ -199,7 +198,7 @@ void Trying::judge_values(const Answer& t) {
     if (d <= allowed(t) * size) return;
     const double gravity = Vec3<double>(trial.c.gravity.data()).norm();
     if (in(Precision::kSingle) && of == &Answer::a && d <= kMostOfSingle * gravity) return;
-    // A value that vanishes has the rounding error of the terms that cancel in it.
+    // A vanishing value has the rounding error of the terms that cancel in it.
     const double of_terms =
         kEps * (of == &Answer::a ? std::max(t.terms, trial.truth.free_size())
                                  : std::min(t.condition, 1e4) * trial.truth.load() / trial.truth.largest_J());
@@ -224,9 +223,8 @@ void Trying::judge_status(const Answer& t) {
   bool agree = true, contradict = false;
   for (const Balance& b : t.balance) {
     const double size = b.moved + b.drift;
-    // In between, the rounding of the definition itself decides.
-    // Where nothing acts, the whole residual is rounding of the reference. Rows with a0 = 0 agree, and the residual of
-    // a in a dropped row is no inconsistency.
+    // Between the two limits rounding errors decide, and either status is right. Without loads the whole residual is
+    // rounding error of the reference. Rows with a0 = 0 agree: the residual of a in a dropped row is no inconsistency.
     const bool agrees = b.drift == 0 || b.left <= 1e-10 * size || b.left <= 1e-14 * b.terms || b.left <= 1e-25;
     agree = agree && agrees;
     contradict = contradict || (!agrees && b.left > 1e-6 * size && b.left > 1e-9 * b.terms);
@@ -249,7 +247,7 @@ void Trying::judge_condition(const Answer& t) {
     find(Fault::kCondition, text("condition %.2e, right is %.2e", data.report.condition, t.condition));
 }
 
-// Contains the places of an island's accelerations and forces in the scene's.
+// The scene's indices of an island's accelerations and forces.
 struct Places {
   std::vector<std::size_t> a, f;
 };
@@ -267,8 +265,8 @@ std::vector<Places> places_of(const Scene& scene, const SceneData& data) {
   return list;
 }
 
-// Bounds contain the rounding of the file's numbers. Extended precision is judged against the scene as it was read, in
-// quadruple precision with the library's own terms: its bounds do not contain that rounding, and its digits are right.
+// Bounds include the rounding errors of reading the file's numbers, but not in extended precision. Extended solutions
+// are therefore compared with a quadruple-precision solution of the scene as it was read, from the library's own terms.
 void Trying::judge_bounds(const Answer& t) {
   if (data.report.islands.size() != island_count(data)) return;  // one system of the whole scene
   const auto& truth = trial.as_read(file);
@@ -279,7 +277,7 @@ void Trying::judge_bounds(const Answer& t) {
     const IslandReport& report = data.report.islands[i];
     const bool extended = report.precision == Precision::kExtended;
     if (extended && (!truth.regular[i] || truth.rank[i] != report.rank)) continue;
-    if (extended && t.condition > kMostCondition) continue;  // the truth is no better
+    if (extended && t.condition > kMostCondition) continue;  // the truth is no more accurate
     const auto part = [&](const char* name, const Eigen::VectorXd& x, const VecX<manycontact::Quad>& of_read,
                           const Column& of_file, const std::vector<std::size_t>& rows, double bound, double terms) {
       double off = 0, size = 0;
@@ -353,7 +351,7 @@ Bounds numbers(const DerivativeBounds& b) {
   return {{{b.da_dq, b.da_dv, b.da_du, b.da_dw}, {b.dforces_dq, b.dforces_dv, b.dforces_du, b.dforces_dw}}};
 }
 
-// Returns how far derivatives along a direction move with the case's numbers; infinity where none exist nearby.
+// Returns the change of derivatives along a direction when the case's numbers change; infinity if none exist nearby.
 double Trying::derivative_noise(const Answer& t, const Slopes& truth, const Direction& along, bool of_a) {
   if (trial.blurs.empty()) trial.blur();
   const Column& right = of_a ? truth.a : truth.f;
@@ -411,7 +409,7 @@ void Trying::judge_derivatives(const Answer& t) {
       if (t.condition < 1e10) find(Fault::kNotFinite, text("derivatives, condition %.1e", t.condition));
       return;
     }
-  // A derivative that vanishes is judged relative to the terms that cancel in it.
+  // A vanishing derivative is judged relative to the terms that cancel in it.
   const double motion = std::max({size_of(t.a, 0, t.a.size()), trial.truth.free_size(), t.terms});
   double speed = 1, free = 0;
   const double J = trial.truth.largest_J();
@@ -448,8 +446,7 @@ void Trying::judge_derivatives(const Answer& t) {
     part(1, *blocks.f[p.kind], truth.f, floor_f[p.kind]);
     if (!good) return;
   }
-  // Matrices and products are each within their stated bounds. A missing bound excuses nothing, where there should be
-  // one.
+  // Products are judged with the matrices' stated bounds. A missing bound permits no error unless K is ill-conditioned.
   double bound = 0;
   for (const DerivativeBounds& b : stated)
     for (const auto& of : numbers(b))
@@ -548,7 +545,7 @@ bool Trying::values() {
     return false;
   }
   const std::size_t before = out.findings.size();
-  judge_status(*best);  // effects of bounds are judged below
+  judge_status(*best);  // effects on bounds are judged below
   estimate_condition(scene, data);
   estimate_errors(scene, data);
   judge_values(*best);

@@ -1,5 +1,4 @@
 #pragma once
-// The reference judges every method of the library on a case.
 
 #include <string>
 #include <vector>
@@ -13,17 +12,17 @@ namespace manycontact::attack {
 enum class Fault {
   kLoad,         // a file that should be read was refused
   kException,    // an exception that is not documented
-  kNoAnswer,     // `failed` though K's condition is moderate
-  kSingular,     // a solution though K is singular
-  kValue,        // an error of a or f beyond rounding and beyond the stated bound
+  kNoAnswer,     // `failed` although K's condition is moderate
+  kSingular,     // a solution although K is singular
+  kValue,        // an error of a or f beyond rounding errors and beyond the stated bound
   kRank,         // not a possible rank of J
   kStatus,
-  kCondition,    // not within a factor 10
+  kCondition,    // condition estimate wrong by more than a factor of 10
   kBound,        // an error beyond its stated bound
   kSilent,       // `ok` or `redundant` with a bound of 1 or more, and wrong by that much
   kDerivative,
   kProduct,      // jvp or vjp disagree with the derivatives
-  kNotFinite,    // derivatives
+  kNotFinite,    // derivatives that are not finite
   kQuasiStatic,
   kImpact,
 };
@@ -36,12 +35,11 @@ struct Finding {
 
 struct Judgement {
   std::vector<Finding> findings;
-  bool judged = false;                   // the case had something to be judged
-  std::vector<double> bound_over_error;  // of a and f of each island, if the bound is below 1
+  bool judged = false;                   // whether anything in the case could be judged
+  std::vector<double> bound_over_error;  // ratios for a and f of each island, if the bound is below 1
 };
 
-/// Judges values, status, rank, condition, bounds, derivatives, products and quasi-static torques of a case. Its files
-/// are written into `folder`.
+/// Judges all properties of a case but impacts. Its files are written into `folder`.
 Judgement judge(const Case& c, const std::string& folder, const std::vector<Method>& methods);
 /// Judges the library's solutions of another case, which must have the same sizes: for testing the judge.
 Judgement judge_as(const Case& truth, const Case& given, const std::string& folder, const std::vector<Method>& methods);

@@ -1,4 +1,4 @@
-// Each kind of fault that an attack found once has inputs of its own; the inputs found are used where they exist.
+// Tests each kind of fault that attacks found, with inputs made here, and with the inputs found where these exist.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ struct Solved {
   const Report& report() const { return data.report; }
 };
 
-// Expects errors against the truth in quadruple precision below their stated bounds.
+// Expects errors relative to the truth in quadruple precision below their stated bounds.
 void expect_true_bounds(Solved s, const std::string& what) {
   estimate_errors(s.file.scene, s.data);
   const auto truth = solve_truth<Quad>(s.file.scene, s.data.active, s.file.q.cast<Quad>(), s.file.v.cast<Quad>(),
@@ -163,8 +163,8 @@ SceneFile box(const std::string& contacts, const std::string& attributes = "") {
                    contacts + "</scene>");
 }
 
-// Arms have more contact rows than joints, at rest and where contacts close: rounding error of rows is no row and no
-// inconsistency, with gravity and without.
+// Arms with more contact rows than joints, at rest and where contacts close, with gravity and without: rounding errors
+// of rows must count neither as independent rows nor as inconsistency.
 class HeldArms : public testing::TestWithParam<std::string> {
  protected:
   SceneFile load(const std::string& gravity) const {
@@ -213,7 +213,7 @@ TEST_P(HeldArms, ImpactsDoNotContradictThemselves) {
 
 INSTANTIATE_TEST_SUITE_P(Types, HeldArms, testing::Values("3d", "5d", "6d"));
 
-// Bounds include gains, of links at any depth, with the bodies' system too.
+// Bounds include the effect of gains, for links at any depth, with the bodies' system too.
 TEST(Bounds, CountGains) {
   std::mt19937 rng(40);
   SceneFile file = load_text(
@@ -226,7 +226,7 @@ TEST(Bounds, CountGains) {
   }
 }
 
-// Writes a URDF of alike links l0, l1, ... on continuous joints.
+// Writes a URDF of identical links l0, l1, ... on continuous joints.
 class LinksFile {
  public:
   LinksFile(double mass, double inertia) {
@@ -249,8 +249,8 @@ class LinksFile {
   int last_ = 0;
 };
 
-// Forces of least norm act on a point that joints move by a tenth of a millimetre, next to rows of radians: what
-// orthogonal elimination leaves of these in the point's columns is no null space.
+// Least-norm forces on a point that joints move by a tenth of a millimetre, next to angular rows: their residual in the
+// point's columns after orthogonal elimination is not in the null space.
 TEST(Bounds, CountShortLeversBesideTurns) {
   const TemporaryFolder folder;
   LinksFile links(0.001, 1e-10);
@@ -267,7 +267,7 @@ TEST(Bounds, CountShortLeversBesideTurns) {
   for (Method method : methods_for_dependent_rows()) expect_true_bounds(Solved(file, method), "short lever");
 }
 
-// Returns the state `step` away, with the contacts' references there.
+// Returns the state `step` away, with the contacts' references set there.
 SceneFile moved(const SceneFile& file, const Eigen::VectorXd& step) {
   SceneFile out = file;
   out.q = integrate(file.scene, file.q, step);
@@ -275,7 +275,7 @@ SceneFile moved(const SceneFile& file, const Eigen::VectorXd& step) {
   return out;
 }
 
-// A row along joints that hang from a fixed body moves only by rounding of the terms of its moment.
+// A row along joints that hang from a fixed body moves only by rounding errors of its moment's terms.
 TEST(Rank, OfRowsAlongJointsIsNoneOfRounding) {
   const TemporaryFolder folder;
   LinksFile links(1, 0.1);
@@ -306,13 +306,13 @@ TEST(Rank, DoesNotDependOnLevers) {
     for (Method method : methods()) {
       const Solved s(
           box("<contact name=\"c\" type=\"6d\" frame=\"r/crate\" offset=\"" + std::string(lever) + " 0 0\"/>"), method);
-      if (method == Method::kDenseSchur && s.report().status == Status::kFailed) continue;  // the baseline may give up
+      if (method == Method::kDenseSchur && s.report().status == Status::kFailed) continue;  // the baseline may fail
       EXPECT_EQ(s.report().rank, 6) << lever << " " << to_string(method);
       EXPECT_LE(s.data.a.cwiseAbs().maxCoeff(), 1e-6 * 9.81) << lever << " " << to_string(method);
     }
 }
 
-// Points that nearly coincide leave small pivots, whose rounding error is no row of its own.
+// Points that nearly coincide leave small pivots, whose rounding errors must not count as independent rows.
 TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   for (double apart : {1e-1, 1e-2, 1e-3, 1e-4, 1e-5}) {
     const auto point = [&](const char* name, double at) {
@@ -328,8 +328,7 @@ TEST(Rank, OfPointsThatNearlyCoincideIsNoneOfRounding) {
   }
 }
 
-// Along a limb, where rows on one body are dependent, the accepted rows on the next are compared with the error of the
-// small pivot.
+// Along a limb, accepted rows after dependent rows on one body are compared with the error of the small pivot.
 TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   const TemporaryFolder folder;
   LinksFile links(1, 0.1);
@@ -358,7 +357,7 @@ TEST(Rank, OfRowsAfterASmallPivotIsNoneOfRounding) {
   }
 }
 
-// Two pairs of rows are at one point, each in other axes: three of the four are independent, however light the body.
+// Two pairs of rows at one point, in different axes: three of the four are independent, however light the body.
 TEST(Rank, OfRowsOnOneBodyDoesNotDependOnItsMass) {
   for (const double mass : {1.0, 1e-6, 1e-12}) {
     SceneFile file =
@@ -387,7 +386,7 @@ TEST(Rank, DoesNotDependOnUnits) {
   }
 }
 
-// A body's origin on the axis of a joint far from it has rows that are rounding of the joint's moment arm.
+// The rows of a body's origin on the axis of a distant joint are rounding errors of the joint's moment arm.
 TEST(Rank, OfAPointOnTheAxisIsNone) {
   for (const char* along : {"0.1 0.2 0.3", "0.7 -0.1 0.3", "-0.3 0.4 0.2", "0.11 0.23 -0.37"}) {
     const TemporaryFolder folder;
@@ -407,8 +406,7 @@ TEST(Rank, OfAPointOnTheAxisIsNone) {
   }
 }
 
-// A point of two links that move in a plane has two independent rows; the residual of the third after a small second
-// pivot is none.
+// A point of two links that move in a plane has two independent rows; the residual of the third is a rounding error.
 TEST(Rank, OfThePlaneIsTwo) {
   const TemporaryFolder folder;
   const auto link = [](const std::string& name, const std::string& mass, const std::string& inertia) {
@@ -433,7 +431,7 @@ TEST(Rank, OfThePlaneIsTwo) {
     EXPECT_EQ(Solved(file, method).report().rank, 2) << to_string(method);
 }
 
-// In micrometres an inconsistency of contacts is not rounding of radians, and derivatives have its term.
+// An inconsistency of micrometres must not count as a rounding error of radians, and derivatives have its term.
 TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
   const TemporaryFolder folder;
   LinksFile links(0.001, 1e-10);
@@ -459,7 +457,7 @@ TEST(Contradiction, OfMicrometresIsNoRoundingOfTurns) {
   }
 }
 
-// Links have nearly no mass: cancellation in a single solve is not K's condition.
+// With nearly massless links, the cancellation in a single solve must not count as K's condition.
 TEST(Condition, BesideTinyMasses) {
   SceneFile file = box(
       "<contact name=\"c\" type=\"5d\" axis=\"-0.38 -1.38 -0.81\" frame=\"r/crate\"/>"
@@ -480,7 +478,7 @@ TEST(Condition, BesideTinyMasses) {
   }
 }
 
-// Gravity, which axes of the world do not feel, is rotated with the body: the bounds include the residual of this.
+// Gravity is rotated with the body, although a horizontal row in world axes is free of it: bounds include the residual.
 TEST(Bounds, CountGravityAcrossARow) {
   SceneFile file = load_text(
       "<scene gravity=\"0 0 -6.7e5\"><robot name=\"q\" urdf=\"quadruped.urdf\" base=\"floating\"/>"
@@ -493,7 +491,7 @@ TEST(Bounds, CountGravityAcrossARow) {
   }
 }
 
-// A row was dropped with a residual of 5e-12: if another were dropped in its place, as much would remain there.
+// A row was dropped with a residual of 5e-12; dropping another one in its place would leave as much.
 TEST(Bounds, CountWhatDroppedRowsLeave) {
   for (const char* apart : {"0", "5e-12"}) {
     SceneFile file =
@@ -512,8 +510,7 @@ TEST(Bounds, CountWhatDroppedRowsLeave) {
   }
 }
 
-// The status stays for accelerations that rounding leaves of a scene at rest, and for forces of one on which nothing
-// acts.
+// Accelerations of a scene at rest, and forces of one without loads, are rounding errors. The status must not change.
 TEST(Bounds, OfWhatVanishesKeepTheStatus) {
   const SceneFile rests = box("<contact name=\"one\" type=\"6d\" frame=\"r/crate\" offset=\"0.3 0.1 0.2\"/>");
   const SceneFile falls =
@@ -528,7 +525,7 @@ TEST(Bounds, OfWhatVanishesKeepTheStatus) {
   }
 }
 
-// Hundreds of points are on one body: six rows span theirs, at a cost linear in the points.
+// Six rows span those of 120 points on one body, at a cost linear in the number of points.
 TEST(ManyContacts, OnOneBodyAreReducedToSixRows) {
   std::string contacts;
   for (int k = 0; k < 120; ++k) {

@@ -81,7 +81,7 @@ void Qr::apply(Column& x) const {
 
 Lu::Lu(Matrix given) : A(std::move(given)), order(A.rows) {
   const int n = A.rows;
-  // Pivots are relative to the sizes of their own row and column, so that kilograms and grams mix.
+  // Pivots are relative to the sizes of their own row and column, so that units may mix.
   std::vector<Quad> size(n, Quad(0));
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) size[i] = std::max(size[i], fabsq(A(i, j)));
@@ -117,7 +117,7 @@ Column Lu::solve(const Column& b) const {
 
 namespace {
 
-// C^T of J^T P = Q [C; 0]
+// Returns C^T of J^T P = Q [C; 0].
 Matrix rows_kept(const Qr& qr, int rank) {
   Matrix Ct(qr.A.cols, rank);
   for (int i = 0; i < rank; ++i)
@@ -179,7 +179,7 @@ SaddlePoint::SaddlePoint(Matrix M, Matrix J, Quad delta, int rank)
   lu_ = Lu(delta > 0 ? whole(M_, J_, delta) : reduced(M_, N_));
 }
 
-// T z = U^T P^T b, a = Q [z; 0]
+// Solves T z = U^T P^T b; a = Q [z; 0].
 Column SaddlePoint::least_motion(const Column& b) const {
   Column y(J_.rows), a(M_.rows, Quad(0));
   for (int i = 0; i < J_.rows; ++i) y[i] = b[of_Jt_.order[i]];
@@ -193,7 +193,7 @@ Column SaddlePoint::least_motion(const Column& b) const {
   return a;
 }
 
-// T^T y = (Q^T g)(0:rank), f = P U [y; 0]
+// Solves T^T y = (Q^T g)(0:rank); f = P U [y; 0].
 Column SaddlePoint::least_force(const Column& g) const {
   Column z = g, y(J_.rows, Quad(0)), f(J_.rows);
   of_Jt_.apply_transposed(z);
@@ -217,7 +217,7 @@ Column SaddlePoint::off_range(const Column& y) const {
   return left;
 }
 
-// a += N (N^T M N)^-1 N^T (b1 - M a)
+// Returns a + N (N^T M N)^-1 N^T (b1 - M a).
 Column SaddlePoint::within_constraints(Column a, const Column& b1) const {
   Column r = times(M_, a);
   for (std::size_t i = 0; i < r.size(); ++i) r[i] = b1[i] - r[i];

@@ -1,5 +1,5 @@
 #pragma once
-// Dense linear algebra in quadruple precision serves the reference alone. [M J^T; J -delta I] is solved with a complete
+// Dense linear algebra in quadruple precision, for the reference alone. [M J^T; J -delta I] is solved with a complete
 // orthogonal decomposition of J^T at a given rank, so that one place decides the rank (reference.cpp).
 
 #include <vector>
@@ -24,12 +24,12 @@ double largest(const Column& x);
 
 /// A P = Q R with Householder reflections, the column with the largest residual first.
 struct Qr {
-  Matrix A;                   // R above the diagonal; the reflections apart
+  Matrix A;                   // R above the diagonal
   std::vector<Column> mirrors;  // of length sqrt 2, or empty: nothing to reflect
   std::vector<int> order;     // columns of A in the order of R
   std::vector<Quad> left;     // |R_kk|: residual of the chosen column
 
-  /// At most `steps` steps; without `pivot` the columns keep their order.
+  /// Makes at most `steps` steps; without `pivot` the columns keep their order.
   Qr(Matrix given, int steps, bool pivot);
   void apply_transposed(Column& x) const;  // Q^T x
   void apply(Column& x) const;             // Q x
@@ -39,14 +39,14 @@ struct Qr {
 struct Lu {
   Matrix A;
   std::vector<int> order;
-  bool regular = true;  // no pivot is rounding of quadruple precision
+  bool regular = true;  // whether no pivot is a rounding error of quadruple precision
   explicit Lu(Matrix given);
   Column solve(const Column& b) const;
 };
 
 class SaddlePoint {  // M a - J^T f = b1, J a + delta f = b2
  public:
-  /// `rank` is that of J where delta is 0: the rest of J's decomposition is dropped.
+  /// rank: that of J, used if delta is 0; the rest of J's decomposition is dropped.
   SaddlePoint(Matrix M, Matrix J, Quad delta, int rank);
   bool regular() const { return lu_.regular; }
   /// Finds the a of least M-norm among those of least |J a - b2|, and the f of least norm.

@@ -1,5 +1,4 @@
-// These mechanisms have redundant constraints. Denavit and Hartenberg's numbers place the hinges: a distance along x
-// and a twist about it from each axis z to the next.
+// Mechanisms with redundant constraints. Hinges are placed by lengths and twists along x (Denavit-Hartenberg).
 
 #include <cmath>
 #include <numbers>
@@ -11,7 +10,7 @@ namespace manycontact::attack {
 namespace {
 
 struct Hinge {
-  double length, twist, angle;  // to the next axis; the joint's angle
+  double length, twist, angle;  // length and twist to the next axis; angle of the joint
 };
 
 Case closed_chain(const std::string& name, const std::vector<Hinge>& hinges, int rows) {

@@ -6,7 +6,7 @@ namespace manycontact::attack {
 
 namespace {
 
-// Returns a body that moves with another, its origin d further.
+// Returns a body that moves with `b`, with its origin displaced by d.
 template <class T>
 Body<T> shifted(Body<T> b, const Vec<T>& d) {
   b.acceleration = b.acceleration + cross(b.turning, d) + cross(b.w, cross(b.w, d));
@@ -32,7 +32,7 @@ void add_own_motion(Body<T>& b, const Vec<T>& u, const Vec<T>& w, const Vec<T>& 
   add_motion(b, b.R * u, b.R * w, b.R * (du + cross(w, u)), b.R * dw);
 }
 
-// A joint traversed backwards begins at the link that carries it.
+// Moves from the link that carries a joint traversed backwards (b) to the other link.
 template <class T>
 Body<T> carried_backwards(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
   if (l.kind != Kind::kFixed) {
@@ -87,7 +87,7 @@ Body<T> carried(const Link& l, Body<T> b, const T* q, const T* v, const T* a) {
   return b;
 }
 
-// Returns the force and the moment about the origin that move a rigid body as it moves.
+// Returns the force and the moment about the origin that cause the motion of a rigid body.
 template <class T>
 Wrench<T> inertial(const Link& l, const Body<T>& b, const Vec<T>& gravity) {
   const Body<T> c = shifted(b, b.R * Vec<T>(l.com));
@@ -161,7 +161,7 @@ std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies
 
 namespace {
 
-// Returns log of the placement (R, p), its linear and angular part.
+// Returns the logarithm of the placement (R, p), its linear and angular part.
 template <class T>
 std::array<Vec<T>, 2> logarithm(const Rot<T>& R, const Vec<T>& p) {
   const T half(0.5);
@@ -196,7 +196,7 @@ std::vector<std::array<Vec<T>, 2>> rows_of(const Hold& h, const Rot<T>& R) {
     e[i] = T(1.0);
     if (h.rows != 2 || i != 1) rows.push_back({own(e), none});
   }
-  if (h.rows == 5) {  // the two directions across the axis are a convention, which is read from its source
+  if (h.rows == 5) {  // the choice of two directions across the axis is a convention, taken from the library
     const auto two = manycontact::across(Vec3<double>(h.axis[0], h.axis[1], h.axis[2]).normalized());
     for (int i = 0; i < 2; ++i) rows.push_back({none, Vec<T>(T(two(i, 0)), T(two(i, 1)), T(two(i, 2)))});
   }

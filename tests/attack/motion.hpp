@@ -9,10 +9,10 @@ namespace manycontact::attack {
 template <class T>
 struct Body {  // frame and motion of a link, in the world's axes
   Rot<T> R;
-  Vec<T> p, v, w, acceleration, turning;  // at its origin; the acceleration is the point's
+  Vec<T> p, v, w, acceleration, turning;  // of the link's origin
 };
 
-/// q, v, a are a tree's; nullptr means zero. The acceleration excludes gravity's.
+/// q, v, a are a tree's; nullptr means zero. Accelerations exclude gravity.
 template <class T>
 std::vector<Body<T>> move(const Tree& tree, const T* q, const T* v, const T* a);
 
@@ -25,17 +25,16 @@ struct Wrench {  // force, and moment about the link's origin, in the world's ax
 template <class T>
 Body<T> point_of(const Body<T>& link, const Numbers& offset);
 
-/// Returns the force on each joint's coordinates that makes the tree move as it does against `on`, other wrenches on
-/// its links, and gravity.
+/// Returns the joint forces that cause the tree's motion, given `on`, other wrenches on its links, and gravity.
 template <class T>
 std::vector<T> joint_forces(const Tree& tree, const std::vector<Body<T>>& bodies, const Vec<T>& gravity,
                             const T* a, std::vector<Wrench<T>> on);
 
 template <class T>
 struct Touch {  // motion of A relative to B' of a hold, at A's origin, in A's axes
-  Rot<T> R;     // of A in the world
+  Rot<T> R;     // rotation of A in the world
   Vec<T> p;
-  Vec<T> v, w;              // nu
+  Vec<T> v, w;              // relative velocity
   Vec<T> linear, angular;   // the rows' accelerations with all terms: J a + a0 is selected from these
   std::vector<std::array<Vec<T>, 2>> rows;  // selection of the rows, in A's axes
 };

@@ -1,6 +1,6 @@
 #pragma once
-// Quadruple precision uses the compiler's own type, with first derivatives (dual numbers) and vectors of three of
-// either. Nothing of the library is used here: the reference shares no code with what it judges.
+// Quadruple precision with the compiler's own type, dual numbers for first derivatives, and three-vectors of either.
+// The reference shares no code with the library, so nothing of the library is used here.
 
 #include <quadmath.h>
 
@@ -88,7 +88,7 @@ template <class T>
 Vec<T> operator*(const Rot<T>& R, const Vec<T>& a) {
   return a[0] * R.c[0] + a[1] * R.c[1] + a[2] * R.c[2];
 }
-/// R^T a
+/// Returns R^T a.
 template <class T>
 Vec<T> back(const Rot<T>& R, const Vec<T>& a) {
   return {dot(R.c[0], a), dot(R.c[1], a), dot(R.c[2], a)};

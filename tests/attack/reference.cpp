@@ -14,7 +14,7 @@ namespace {
 template <class T>
 using Bodies = std::vector<std::vector<Body<T>>>;
 
-// Coordinates of all trees one after the other, and the wrenches' wrenches.
+// Coordinates of all trees, one after the other, and external wrenches.
 template <class T>
 struct State {
   std::vector<T> q, v, a, w;
@@ -59,7 +59,7 @@ Bodies<T> move_all(const Case& c, const State<T>& s) {
   return bodies;
 }
 
-// Returns J a + a0 of all holds, or nu from velocities alone.
+// Returns J a + a0 of all holds, or their relative velocities.
 template <class T>
 std::vector<T> rows_at(const Case& c, const Bodies<T>& bodies, bool velocities) {
   std::vector<T> x;
@@ -132,8 +132,7 @@ void add_springs(const Case& c, const Bodies<T>& bodies, std::vector<std::vector
   }
 }
 
-// Returns the joint forces for the motion s, with the contacts' forces and, if `acting`, gravity, wrenches, springs and
-// dampers.
+// Returns joint forces for the motion s with contact forces f and, if `acting`, gravity, wrenches, springs and dampers.
 template <class T>
 std::vector<T> forces_at(const Case& c, const State<T>& s, const Bodies<T>& bodies, const Column& f, bool acting) {
   const Vec<T> g = acting ? Vec<T>(c.gravity) : Vec<T>();
@@ -192,7 +191,7 @@ std::vector<int> islands(const Case& c) {
   return first;
 }
 
-// Counts the accepted pivots for every threshold between rounding of double precision and plainly more.
+// Counts the accepted pivots for thresholds from rounding errors of double precision to clearly more.
 void count_pivots(const Qr& qr, std::set<int>& ranks) {
   for (const double threshold : {1e-14, 1e-13, 1e-12, 3e-12, 1e-11, 3e-11, 1e-10, 1e-9}) {
     int rank = 0;
@@ -293,7 +292,7 @@ double Reference::free_size() const {
 
 namespace {
 
-// q (+) e dq
+// Returns q (+) e dq.
 std::vector<Dual> moved_along(const Case& c, const std::vector<double>& dq) {
   std::vector<Dual> q = all_q<Dual>(c);
   std::size_t first_q = 0, first_v = 0;
@@ -353,7 +352,7 @@ Slopes Reference::along(int rank, const Direction& direction) {
     Column rho = minus(times(J_, s.answer.a), b2_);
     State<Dual> still{x.q, std::vector<Dual>(nv_), {}, {}};
     const Bodies<Dual> at_rest = move_all(case_, still);
-    // with the links' forces of no motion and no gravity: -J^T rho
+    // forces of the links without motion and gravity: -J^T rho
     const Column turned = slopes(forces_at(case_, still, at_rest, rho, false));
     const Column push = s.factor.least_force(turned);  // (J^T)^+ (-dJ^T rho)
     for (int k = 0; k < rows_; ++k) dr2[k] -= push[k];

@@ -1,7 +1,6 @@
 #pragma once
-// This reference solves a case in quadruple precision with Newton and Euler and a decomposition of J^T. J's rows and
-// columns come from velocities, M's from forces, derivatives from dual numbers: every step differs from the library's
-// and uses no code of it.
+// Solves a case in quadruple precision with Newton and Euler's equations and a decomposition of J^T. J comes from
+// velocities, M from forces, derivatives from dual numbers: every step and its code differ from the library's.
 
 #include <algorithm>
 #include <memory>
@@ -15,15 +14,15 @@ namespace manycontact::attack {
 struct Balance {                // residual of one island's rows
   double left = 0;              // largest entry of J a + a0 + delta f
   double moved = 0, drift = 0;  // largest entries of |J| |a| and of a0
-  double terms = 0;             // the same, with all terms of a0
+  double terms = 0;             // the same sum of sizes, with all terms of a0
 };
 
-struct Answer {  // at one rank
+struct Answer {  // the solution for one rank of J
   int rank = 0;
   bool regular = false;
   Column a, f;
-  double condition = 0;          // of K, 1-norm
-  std::vector<Balance> balance;  // per island
+  double condition = 0;          // 1-norm condition of K
+  std::vector<Balance> balance;  // one entry per island
   double terms = 0;              // largest over islands
 };
 
@@ -31,7 +30,7 @@ struct Slopes {  // derivatives of a and f along one direction
   Column a, f;
 };
 
-/// Tangent of q, v, the torques of all coordinates and the wrenches' wrenches, force before torque.
+/// Tangent of q, v, the torques of all coordinates and the external wrenches, force before torque.
 struct Direction {
   std::vector<double> q, v, tau, w;
 };
@@ -43,17 +42,16 @@ class Reference {
 
   int nv() const { return nv_; }
   int rows() const { return rows_; }
-  /// Possible ranks of J, the highest first: several if the residual of a row is neither rounding of double precision
-  /// nor plainly more.
+  /// Possible ranks of J, descending: several if a row's residual is neither a rounding error nor clearly more.
   const std::vector<int>& ranks() const { return ranks_; }
   const Matrix& M() const { return M_; }
   const Matrix& J() const { return J_; }
   double free_size() const;                     // size of M^-1 b1, without contacts; 0 where M is singular
-  double load() const { return largest(b1_); }  // of forces without contacts
+  double load() const { return largest(b1_); }  // largest generalised force without contacts
   double largest_J() const { return std::max(largest(J_.x), 1e-300); }
 
   const Answer& at(int rank);
-  /// Returns derivatives of the solution at that rank, which is kept constant.
+  /// Returns derivatives of the solution at that rank, which is taken as constant.
   Slopes along(int rank, const Direction& direction);
 
   /// Returns the u part of the least-norm least-squares solution of [S^T J^T] [u; f] = h(q, 0), S the torques of all
@@ -77,7 +75,7 @@ class Reference {
 
 /// Returns the same case with every number changed by about an eps.
 Case blurred(const Case& c, std::uint64_t seed);
-/// Places B' of every hold where frame A is, in double precision: no error is left to be corrected.
+/// Places B' of every hold where frame A is, in double precision, so that placement errors vanish.
 void place_where_they_are(Case& c);
 
 }  // namespace manycontact::attack

@@ -1,5 +1,4 @@
 #pragma once
-// Finds smaller cases of the same fault.
 
 #include <cstdio>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 #pragma once
-// The cases of the table have a cause (what makes a scene hard), a robot and contacts.
+// The cases of the table: each has a cause (the difficulty of its scene), a robot and contacts.
 
 #include <functional>
 #include <string>
@@ -14,10 +14,9 @@ struct Case {
   std::function<Problem()> make;  // may throw the library's exceptions for bad input
   bool small = true;              // every method in every order; large cases: default orders, no dense reference
   bool bad_input = false;         // an exception when the scene is built counts as refused; otherwise it ends the test
-  bool demanded = false;          // named in the issue: all methods but dense-schur solve it, accelerations to 1e-9
+  bool demanded = false;          // all methods but dense-schur must solve it, accelerations to 1e-9
 };
 
-/// Collects the cases of one cause.
 struct Cases {
   std::string cause;
   std::vector<Case> list;
@@ -27,7 +26,6 @@ struct Cases {
   }
 };
 
-// One file each.
 void add_held_twice(Cases& cases);
 void add_corners(Cases& cases);
 void add_loops(Cases& cases);
@@ -48,7 +46,7 @@ void add_quaternions(Cases& cases);
 /// All causes, in the order of the page.
 const std::vector<Cases>& all_causes();
 
-/// "1e-04"
+/// Returns text such as "1e-04".
 std::string power(double x);
 
 }  // namespace manycontact::test

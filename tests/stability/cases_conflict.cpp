@@ -17,7 +17,7 @@ Problem feet_held_twice(ContactType first, ContactType second, double apart) {
   return p;
 }
 
-// Every second contact has its reference `off` metres away.
+// Moves the reference of every second contact by `off` metres.
 void pull_apart(Problem& p, double off) {
   for (std::size_t c = 1; c < p.scene.contacts.size(); c += 2) {
     p.scene.contacts[c].B.placement.p += Vec3<double>(off, 2 * off, -off);

@@ -41,7 +41,7 @@ void add_damping(Cases& cases) {
         c.B.placement.p.x() += 0.1, c.alpha = 100;
         return p;
       });
-    add("arm's tool 6d twice beside a heavy box held 3d", [] {  // two islands: what is lost in one is not in the other
+    add("arm's tool 6d twice beside a heavy box held 3d", [] {  // two islands: the damping is lost in one only
       Problem p = two_robots("arm", false, "box");
       edit(
           p, [](Model& m) { scale(m.joints[0].inertia, 1e8); }, 1);

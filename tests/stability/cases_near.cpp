@@ -1,4 +1,4 @@
-// Contacts nearly coincide and legs are nearly straight: rows are nearly dependent. None is at the rank's tolerance
+// Contacts nearly coincide and legs are nearly straight: rows are nearly dependent. No case is at the rank's tolerance
 // itself, 1e-11, where either solution is equally good.
 
 #include "stability/cases.hpp"

@@ -20,7 +20,7 @@ const Structure kHumanoid{"humanoid's soles", "humanoid", true, {"left_sole", "r
 const Structure kArm{"arm's tool", "arm", false, {"tool"}};
 const Structure kBox{"box's edges", "box", true, {"bottom_1", "bottom_4"}};
 
-// Every frame is fixed, and fixed again `apart` metres off.
+// Fixes every frame, and fixes it again `apart` metres away.
 Problem twice(const Structure& s, ContactType first, ContactType second, double apart, ReferenceFrame axes) {
   Problem p = robot(s.urdf, s.floating);
   for (const std::string& frame : s.frames) {

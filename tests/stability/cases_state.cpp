@@ -126,7 +126,7 @@ void add_quaternions(Cases& cases) {
   struct Off {
     std::string name;
     std::function<void(Eigen::Ref<Eigen::VectorXd>)> change;
-    bool answerable = true;  // by contract: within 1e-6 of unit length
+    bool answerable = true;  // whether the norm is within 1e-6 of 1, as the library requires
   };
   const Off offs[] = {
       {"negated", [](auto x) { x *= -1; }},

@@ -22,7 +22,7 @@ void change_units(Model& m, double length, double mass) {
   m.armature *= mass * length * length;
 }
 
-// Every joint of these robots is revolute, except for the floating base.
+// Changes the units of a problem. All joints must be revolute, except for the floating base.
 Problem in_units(Problem p, double length, double mass) {
   const std::vector<char> all(p.scene.contacts.size(), 1);
   const Truth<Quad> truth = solve_truth<Quad>(p.scene, all, p.q.cast<Quad>(), p.v.cast<Quad>(), p.u.cast<Quad>());

@@ -34,7 +34,7 @@ MatX<S> null_space(const MatX<S>& J, int rank) {
   return Q.rightCols(J.rows() - rank);
 }
 
-// Z is the null space of J^T, and J <- J - Z Z^T J removes rounding error from it:
+// Z spans the null space of J^T, and J <- J - Z Z^T J removes rounding errors from it:
 //
 //   [M J^T; J -Z Z^T]^-1 = K^+ - [0 0; 0 Z Z^T]
 //

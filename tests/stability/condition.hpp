@@ -1,5 +1,5 @@
 #pragma once
-// Errors are judged relative to the condition |K|_1 |K^-1|_1, computed here and not with the library's estimate.
+// The condition |K|_1 |K^-1|_1, to which errors are relative, computed here and not with the library's estimate.
 
 #include "stability/island_system.hpp"
 
@@ -10,8 +10,8 @@ struct Condition {
   double product() const { return K * inverse; }
 };
 
-/// Uses the whole inverse. If delta = 0 and J's rank is less than its rows, it is that of the generalised inverse K^+
-/// that is orthogonal to the null space of J^T; infinite if there is none.
+/// Computes the condition from the whole inverse, or, if delta = 0 and rows of J are dependent, from the generalised
+/// inverse K^+ that is orthogonal to the null space of J^T. It is infinite if there is no inverse.
 Condition condition(const IslandSystem<Quad>& system, double delta, int rank);
 
 /// Returns a lower bound, nearly always within a factor 3, for systems too large for the whole inverse, from Eigen's LU

@@ -14,7 +14,7 @@ namespace manycontact::test {
 namespace {
 
 constexpr int kLargest = 80;                // unknowns of an island: differences of the truth take five solves of it
-constexpr double kVanishingChange = 1e-12;  // of the other changes: zero
+constexpr double kVanishingChange = 1e-12;  // smaller changes, relative to the others, count as zero
 
 Truth<Quad> truth_along(const Problem& p, const Direction& d, const Quad& h) {
   VecX<Quad> q = p.q.cast<Quad>(), v = p.v.cast<Quad>(), u = p.u.cast<Quad>();
@@ -38,7 +38,7 @@ Quad step(bool in_q, bool dependent) {
   return Quad(1) / Quad(dependent ? 1000000000LL : 100000000000000LL);
 }
 
-// Returns whether the truth is differentiable along a direction with the same rank, and if so computes its change.
+// Whether the truth is differentiable along a direction with the same rank. If so, computes its change.
 bool differentiate_truth(const Problem& p, const Truths& truths, Direction& d) {
   const auto same_rank = [&](const Truth<Quad>& t) {
     return std::accumulate(t.rank.begin(), t.rank.end(), 0) == truths.rank;

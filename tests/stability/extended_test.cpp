@@ -1,5 +1,5 @@
-// Every case is solved in the precision `extended`: solutions reported as extended have errors of a few units in the
-// last place and true bounds; the others are the double solution as always.
+// Solves every case in the precision `extended`. Solutions reported as extended have errors of a few units in the last
+// place and true bounds; the others are the same as in double.
 
 #include <gtest/gtest.h>
 

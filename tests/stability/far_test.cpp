@@ -1,4 +1,4 @@
-// Every case of the table is solved again far from the world's origin: nothing may depend on a scene's place. Distances
+// Solves every case of the table again far from the world's origin: nothing may depend on a scene's place. Distances
 // are powers of two and coordinates short, so a move rounds nothing and the solution is exactly the same.
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace manycontact::test {
 namespace {
 
-constexpr double kShort = 1 << 29;  // places are multiples of its inverse
+constexpr double kShort = 1 << 29;  // placements are rounded to multiples of 1 / kShort
 
 double shortened(double x) { return std::isfinite(x) && std::abs(x) < 1e3 ? std::round(x * kShort) / kShort : x; }
 void shorten(Vec3<double>& p) {
@@ -43,7 +43,7 @@ void move_away(const Vec3<double>& by, Problem& p) {
     if (c.B.robot < 0) c.B.placement.p += by;
 }
 
-// Returns a floating base as a joint of a fixed one, which a file may have too.
+// Returns the model with a floating joint on a fixed base instead of a floating base; a file may contain both.
 std::shared_ptr<Model> floating_by_joint(const Model& model) {
   auto out = std::make_shared<Model>(model);
   out->floating_base = false;
@@ -122,7 +122,7 @@ Problem on_joints(const Problem& p) {
   return out;
 }
 
-// Moves along the ground, as wheels do.
+// Moves the robots along the ground by their joints.
 void move_joints_away(const Vec3<double>& to, Problem& p) {
   const Vec3<double> by(to[0], to[1], 0);
   for (const Robot& robot : p.scene.robots) {
@@ -181,7 +181,7 @@ void expect_same_answer(const Answer& near, const Answer& far, const std::string
   EXPECT_LE(difference(far.f, near.f), allowed) << what << ", forces";
   EXPECT_LE(difference(far.da, near.da), 10 * allowed) << what << ", derivatives of accelerations";
   EXPECT_LE(difference(far.df, near.df), 10 * allowed) << what << ", derivatives of forces";
-  // sparse-bodies treats the way along a slide as a moment arm: its bound grows with that, the error does not
+  // sparse-bodies treats the distance along a slide as a moment arm: its bound grows with it, its error does not
   if (near.report.islands[0].method != Method::kSparseBodies) {
     EXPECT_LE(far.report.error_acceleration, 2 * near.report.error_acceleration + 1e-14) << what << ", claimed bound";
   }
@@ -216,8 +216,7 @@ TEST_P(Far, NothingDependsOnWhereItStands) {
   }
 }
 
-// Places are rounded: the truth is that of the given numbers. Contacts are with the world and between two robots that
-// are both far away, with bases rotated in the world.
+// The truth is that of the rounded placements. Contacts are with the world, and between two far robots, bases rotated.
 TEST(FarTruth, AnyPlace) {
   using enum ContactType;
   for (const bool by_joints : {false, true})

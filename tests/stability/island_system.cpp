@@ -7,7 +7,7 @@ namespace manycontact::test {
 
 namespace {
 
-// Returns the motion of each robot at q and v, without accelerations of the joints.
+// Returns the motion of each robot at q and v, without joint accelerations.
 template <class S>
 std::vector<Kinematics<S>> bias_motions(const Problem& p) {
   const VecX<S> q = p.q.cast<S>(), v = p.v.cast<S>();

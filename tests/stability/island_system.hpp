@@ -1,6 +1,6 @@
 #pragma once
-// K of each island is built as dense blocks in any precision, from the rigid-body algorithms and the contacts' rows
-// alone: it serves to judge the layers above, which assemble and factorize it.
+// K of each island as dense blocks in any precision, from the rigid-body algorithms and the contacts' rows alone: a
+// test of the layers above, which assemble and factorize it.
 
 #include <vector>
 
@@ -8,17 +8,17 @@
 
 namespace manycontact::test {
 
-/// K = [M J^T; J -delta I], a0, and the places of the island's coordinates in the scene.
+/// K = [M J^T; J -delta I], a0, and the indices of the island's coordinates in the scene.
 template <class S>
 struct IslandSystem {
-  std::vector<int> v, f;  // per velocity coordinate and per contact row of the island: its place in data.a, in data.f
+  std::vector<int> v, f;  // indices in data.a of the island's velocity coordinates, and in data.f of its contact rows
   MatX<S> M, J;
   VecX<S> a0;
 
   int size() const { return static_cast<int>(v.size() + f.size()); }
 };
 
-/// Flags of the scene's contacts.
+/// Returns the scene's flags of active contacts.
 std::vector<char> active(const Scene& scene);
 
 /// Returns the systems in the order of find_islands. S: double or Quad.

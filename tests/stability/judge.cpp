@@ -14,8 +14,8 @@ namespace manycontact::test {
 namespace {
 
 constexpr double kNoDigits = 1e-2;         // an error above this is a wrong solution whatever the condition
-constexpr double kMostOfSingle = 1e-2;     // relative to the largest entry: single is refused beyond
-constexpr double kVanishingForce = 1e-12;  // relative to their scale: forces that cancel
+constexpr double kMostOfSingle = 1e-2;     // relative to the largest entry: single precision is refused beyond
+constexpr double kVanishingForce = 1e-12;  // relative to their scale: smaller forces cancel
 
 bool is_failed(const Report& report, std::size_t island) { return report_of(report, island).status == Status::kFailed; }
 
@@ -69,13 +69,12 @@ std::string describe(const Report& report) {
   return out.str();
 }
 
-// Rounding of forces that vanish is measured relative to forces that could balance tau_b.
+// Rounding errors of vanishing forces are measured relative to forces that could balance tau_b.
 double vanishing_force_scale(const Truths& truths) {
   const double scale = truths.J_size > 0 ? size_of(truths.tau_b) / truths.J_size : 0;
   return size_of(truths.f) < kVanishingForce * scale ? scale : 0;
 }
 
-// Returns the relative error, zero for equal values.
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
 
 // Relative errors in the maximum norm of the worst robot, and the largest relative to the allowed one.
@@ -100,8 +99,7 @@ ValueErrors value_errors(const Truths& truths, const SceneData& data) {
   return out;
 }
 
-// Returns whether regularised islands have a valid reason: with the damping K is so close to singular that no digit is
-// required; or, for a judged solution, its own bounds leave none.
+// Whether regularised islands have a valid reason: the damped K is too ill-conditioned, or error bounds are 1 or more.
 bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   for (std::size_t i = 0; i < truths.islands.size(); ++i) {
     const IslandReport& island = report_of(report, i);
@@ -113,7 +111,7 @@ bool regularised_for_a_reason(const Truths& truths, const Report& report) {
   return true;
 }
 
-// Returns whether the status is right on dependency and consistency of the contacts. Either status is right close to a
+// Whether the status is right on dependency and consistency of the contacts. Either status is right close to a
 // threshold; with damping K is regular and every status is ok, unless the damping is lost.
 bool well_labelled(const Problem& p, const Truths& truths, const Report& report) {
   if (report.status == Status::kRegularised) return regularised_for_a_reason(truths, report);
@@ -125,22 +123,22 @@ bool well_labelled(const Problem& p, const Truths& truths, const Report& report)
                                                 : nothing || truths.contradiction < 1e-6;
 }
 
-// Compares with the solution known in other units, in those units: the numbers have similar sizes again.
+// Returns the error relative to the known solution, in its units, in which the numbers have similar sizes.
 double known_error(const KnownAnswer& known, const SceneData& data) {
   const Eigen::VectorXd a = data.a.cwiseQuotient(known.a_unit), f = data.f.cwiseQuotient(known.f_unit);
   const double ea = error_of(a, known.a), ef = f.size() > 0 ? error_of(f, known.f) : 0;
   return ea >= ef ? ea : ef >= ea ? ef : std::nan("");
 }
 
-// Returns true errors divided by their bounds, for the islands' accelerations, then forces; zero if both vanish, and if
-// the truth does not have q's last digits.
+// Returns true errors divided by their bounds, the largest over islands, accelerations and forces; zero if both vanish,
+// and if the truth does not have q's last digits.
 double beyond_bound(const Problem& p, const Truths& truths, SceneData& data) {
   estimate_errors(p.scene, data);
   if (p.only_known) return 0;
   double worst = 0;
   const auto add = [&](const VecX<Quad>& truth, const Eigen::VectorXd& mine, double bound) {
     const double difference = difference_of(mine, truth), size = size_of(mine);
-    if (std::isinf(bound)) return;  // of a zero solution, relative to itself
+    if (std::isinf(bound)) return;  // a zero solution, relative to itself
     if (difference > 0 && !(difference <= worst * bound * size)) worst = difference / (bound * size);
   };
   for (const IslandReport& report : data.report.islands) {

@@ -11,7 +11,7 @@
 
 namespace manycontact::test {
 
-/// A second truth: the same solution, known from another problem, entry by entry times a unit.
+/// A second truth: the same solution, known from another problem in other units for each entry.
 struct KnownAnswer {
   VecX<Quad> a, f;
   Eigen::VectorXd a_unit, f_unit;  // data.a / a_unit is comparable with a
@@ -23,7 +23,7 @@ struct Problem {
   std::optional<KnownAnswer> known;
   bool only_known =
       false;  // the known solution is the truth: this problem's own rounding hides it even from quadruple precision
-  bool answerable = true;  // false: whatever number comes out is wrong
+  bool answerable = true;  // false: any number in a solution is wrong
 };
 
 /// Returns a robot of models/, joints bent away from symmetry, at rest, with torques of a few N m.
@@ -53,9 +53,7 @@ Problem turned(Problem p);
 void move_within_contacts(Problem& p, double size = 0.3);
 /// Puts one joint of robot r at an angle.
 void bend(Problem& p, const std::string& joint, double angle);
-/// Changes the model of robot r.
 void edit(Problem& p, const std::function<void(Model&)>& change, int robot = 0);
-/// Scales a body's inertia.
 void scale(Inertia<double>& Y, double factor);
 
 }  // namespace manycontact::test

@@ -1,4 +1,4 @@
-// Every case is solved by every method: each solution must be correct, and the page lists the outcomes.
+// Solves every case by every method: each solution must be correct, and the page lists the outcomes.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ int count(const std::vector<Row>& rows, Outcome outcome) {
   return n;
 }
 
-// Prints the sum of all at the end, and writes the page on request.
+// Prints the sums over all causes at the end, and writes the page on request.
 class Summary : public testing::Environment {
   void TearDown() override {
     std::vector<Row> all;
@@ -74,7 +74,7 @@ TEST_P(Stability, NoWrongAnswers) {
       EXPECT_LE(row.cells[k].error_a, single ? 1e-2 : 1e-9) << row.which->name << " by " << judged_ways()[k].name;
     }
   }
-// The page is the release build's: at the edge the compiler's choices change the outcome.
+// The page is that of the release build, since the compiler's choices change outcomes near thresholds.
 #ifdef NDEBUG
   if (!std::getenv("MANYCONTACT_WRITE_PAGE")) {
     auto committed = read_page()[cases.cause];
@@ -114,7 +114,7 @@ TEST(Cases, ReachEveryOutcome) {
   EXPECT_EQ(letters.find_first_of("WM"), std::string::npos);
 }
 
-// The judge detects a wrong number, a missing one and one that should not exist.
+// The judge must detect a wrong number, a missing one and one that should not exist.
 TEST(Judge, SeesWrongAnswers) {
   Problem p = robot("arm", false);
   hold(p, ContactType::k3D, "tool");
@@ -132,7 +132,7 @@ TEST(Judge, SeesWrongAnswers) {
   EXPECT_EQ(outcome([](SceneData& d) { d.f[1] *= 1 + 1e-6; }, truths), Outcome::kWrong);
   EXPECT_EQ(outcome([](SceneData& d) { d.a[0] = std::nan(""); }, truths), Outcome::kWrong);
   EXPECT_EQ(outcome([](SceneData& d) { d.report.status = d.report.islands[0].status = Status::kFailed; }, truths),
-            Outcome::kWrong);  // refused, but with numbers
+            Outcome::kWrong);  // status failed, but with numbers
   Truths none = truths;
   none.exists = false;
   EXPECT_EQ(outcome([](SceneData&) {}, none), Outcome::kWrong);
@@ -141,7 +141,7 @@ TEST(Judge, SeesWrongAnswers) {
   EXPECT_EQ(outcome([](SceneData&) {}, turned), Outcome::kWrong);  // derivatives
 }
 
-// Claims of a regularised solution are judged as well: that it is the one without damping, and that damping is lost.
+// Two claims of a regularised solution are judged: it is the one without damping, and damping is lost.
 TEST(Judge, SeesWrongRegularisedAnswers) {
   Problem p = robot("arm", false);
   hold(p, ContactType::k6D, "tool");

@@ -1,5 +1,5 @@
 #pragma once
-// The table of cases and outcomes is printed on a terminal, and written as the page README.md of this folder.
+// The table of cases and outcomes, on a terminal and as the page README.md of this folder.
 
 #include <map>
 #include <string>
@@ -19,9 +19,8 @@ std::string page_path();
 std::string errors_path();
 /// Returns a line per case and precision, for auto: precision used, condition, errors of a and f relative to bounds.
 std::string errors_by_precision(const std::vector<Row>& rows);
-/// Returns the page for these causes and rows.
 std::string page(const std::vector<std::pair<std::string, std::vector<Row>>>& causes);
-/// Returns letters by case, cause by cause, of the page as committed.
+/// Returns the letters on the committed page, by cause and case.
 std::map<std::string, std::map<std::string, std::string>> read_page();
 
 }  // namespace manycontact::test

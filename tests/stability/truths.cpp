@@ -12,9 +12,9 @@ namespace manycontact::test {
 
 namespace {
 
-constexpr int kDenseTruth = 75;             // velocity coordinates up to which the truth is solved densely
-constexpr int kDenseIfSingular = 110;       // unknowns up to which it is if refinement does not converge
-constexpr double kVanishingMotion = 1e-12;  // relative to their scale: accelerations that cancel
+constexpr int kDenseTruth = 75;             // most velocity coordinates for which the truth is computed densely
+constexpr int kDenseIfSingular = 110;       // most unknowns for which this is done if refinement does not converge
+constexpr double kVanishingMotion = 1e-12;  // relative to their scale: smaller accelerations cancel
 
 template <class D>
 bool finite(const Eigen::MatrixBase<D>& x) {

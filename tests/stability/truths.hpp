@@ -8,7 +8,7 @@
 
 namespace manycontact::test {
 
-/// Returns the larger one, or NaN if there is one.
+/// Returns the larger number, or NaN if either is.
 inline double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
 /// Known properties of one island.
@@ -39,26 +39,24 @@ struct Truths {
   std::vector<IslandTruth> islands;   // in the order of find_islands
   std::vector<RobotPlaces> robots;    // of the scene
   std::vector<Direction> directions;  // one of each kind; none where no derivatives are known (derivatives.hpp)
-  int rank = 0, rows = 0;             // of J, over all islands
-  // residual of J a + a0 that no acceleration can avoid: relative to its terms, and to gravity or its terms; -1: the
-  // problem is too large to compute it
+  int rank = 0, rows = 0;             // rank and rows of J, over all islands
+  // least residual of J a + a0, relative to its terms, and to gravity or its terms; -1: the problem is too large
   double contradiction = -1, contradiction_over_gravity = -1;
   Eigen::VectorXd a_free;  // where a or v vanishes: accelerations without contacts, the scale of errors; else empty
   Eigen::VectorXd tau_b;   // S^T u - h
-  double J_size = 0;       // largest entry
+  double J_size = 0;       // largest entry of J
 };
 
 /// Returns the report on an island: that of dense-schur is a single one on all of them.
 const IslandReport& report_of(const Report& report, std::size_t island);
 
-/// Returns the condition of the K of the report, which the island's errors are relative to.
+/// Returns the condition of the reported K, to which the island's errors are relative.
 double condition_of(const Truths& truths, const Report& report, std::size_t island);
 
 /// Returns the truth that a solution claims: without damping for islands that were regularised because their damping is
 /// lost in rounding, the given truth for the others.
 Truths claimed(const Truths& damped, const Truths& undamped, const Report& report);
 
-/// Returns the same problem without damping.
 Problem without_damping(Problem p);
 
 }  // namespace manycontact::test

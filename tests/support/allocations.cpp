@@ -4,7 +4,7 @@
 
 #if MANYCONTACT_FAILS_ALLOCATIONS
 
-// These run before sanitizers are set up, so they may not be instrumented themselves, nor what they call.
+// These functions, and those they call, run before sanitizers are set up, so they must not be instrumented.
 #define PLAIN __attribute__((no_sanitize("address", "undefined")))
 
 namespace {
@@ -34,7 +34,7 @@ PLAIN void* hold(void* p) {
 }  // namespace
 
 #if defined(__SANITIZE_ADDRESS__)
-// tinyxml leaks its memory if memory runs out, and the loader a list of a library's dependencies.
+// tinyxml and the loader's list of a library's dependencies leak if memory runs out.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:TiXml\nleak:_dl_map_object_deps\n"; }
 #define NEXT(function) __interceptor_##function
@@ -80,8 +80,7 @@ PLAIN void free(void* p) noexcept {
 }  // extern "C"
 
 #if defined(__SANITIZE_ADDRESS__)
-// The sanitizer's operator new does not call malloc. Each call is forwarded, so that the sanitizer still checks the
-// matching delete.
+// The sanitizer's operator new does not call malloc. Forwarding each call lets the sanitizer check the matching delete.
 #include <dlfcn.h>
 
 namespace {

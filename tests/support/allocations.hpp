@@ -1,5 +1,5 @@
 #pragma once
-// Heap allocations are counted, and made to fail. Eigen and SuiteSparse call malloc, not operator new, so a test
+// Counts heap allocations, and makes them fail. Eigen and SuiteSparse call malloc, not operator new, so a test
 // executable that uses this has its malloc replaced (allocations.cpp), for the shared libraries it loads too.
 //
 //   EXPECT_EQ(allocations([&] { solve(...); }), 0u);
@@ -30,7 +30,7 @@
 
 namespace manycontact::test {
 
-/// Returns the count of the whole program, since its start.
+/// Returns the number of allocations of the whole program since its start.
 std::size_t allocation_count();
 /// Returns allocated blocks that are not freed if allocations are counted, otherwise 0.
 std::ptrdiff_t blocks_held();
@@ -51,13 +51,13 @@ class FailingAllocation {
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
-  /// Returns whether the k-th was requested.
+  /// Whether the k-th allocation was requested.
   bool reached() const;
 };
 
 struct FailedRuns {
   long failed = 0;    // runs in which an allocation failed
-  long survived = 0;  // of these, ended without an exception
+  long survived = 0;  // number of these that ended without an exception
 };
 
 /// Runs work() repeatedly with its k-th allocation failing, k = 0, 1, 2, ..., each k alone and then with all later

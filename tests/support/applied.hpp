@@ -1,5 +1,4 @@
 #pragma once
-// ExternalWrenches and springs are added to scenes.
 
 #include "manycontact/model/scene.hpp"
 #include "support/random.hpp"

@@ -1,5 +1,4 @@
 #pragma once
-// Long chains are made in code.
 
 #include <cmath>
 #include <random>
@@ -15,7 +14,7 @@ struct ChainOptions {
   ContactType type = ContactType::k6D;
   bool floating_base = false;
   int loop_every = 0;   // a link is attached to the one so many links before it; 0: no loops
-  double extent = 0.2;  // of angles: smaller values make the chain reach further
+  double extent = 0.2;  // scale of angles: smaller values make the chain reach further
 };
 
 struct Chain {

@@ -1,5 +1,5 @@
 #pragma once
-// Eigen's dense decompositions for tests are compiled once: every file that uses one itself takes seconds longer.
+// Eigen's dense decompositions for tests, compiled once: every file that uses one itself takes seconds longer.
 
 #include <Eigen/Core>
 
@@ -12,10 +12,9 @@ Eigen::MatrixXd solved(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
 /// A below `threshold` times the largest are zero; 0: Eigen's own choice.
 Eigen::MatrixXd least_norm(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, double threshold = 0);
 
-/// Returns A^-1, from LU.
 Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& A);
 
-/// Uses QR with pivoting: values below `threshold` times the largest are zero.
+/// Returns the rank from QR with pivoting: values below `threshold` times the largest are zero.
 int rank_of(const Eigen::MatrixXd& A, double threshold);
 
 /// A = U diag(sigma) V^T, U and V square, sigma descending.

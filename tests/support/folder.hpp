@@ -1,12 +1,11 @@
 #pragma once
-// Tests run in parallel: a file's name is never shared.
 
 #include <filesystem>
 #include <string>
 
 namespace manycontact::test {
 
-/// A folder of this object's own in the temporary one; it is removed with the object.
+/// A temporary folder with a unique name, since tests run in parallel; it is removed with this object.
 class TemporaryFolder {
  public:
   TemporaryFolder();

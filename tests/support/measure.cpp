@@ -8,12 +8,11 @@ namespace manycontact::test {
 
 namespace {
 
-// Returns the larger one; NaN if either is.
 double worse(double a, double b) { return b <= a ? a : a != a ? a : b; }
 
 double relative(double difference, double size) { return difference == 0 ? 0 : difference / size; }
 
-// Returns the relative error of the contacts that act on a robot.
+// Returns the relative error of the forces of contacts on a robot.
 template <class S>
 double force_error(const Scene& scene, const SceneData& data, int robot, const VecX<S>& f) {
   double difference = 0, size = 0;

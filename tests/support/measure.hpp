@@ -1,6 +1,6 @@
 #pragma once
-// Errors of a solution are those of the contract: relative, in the maximum norm, per quantity and robot. The allowed
-// error is max(1e-12, 100 eps cond) with cond the 1-norm condition of the island's K.
+// Errors of a solution: relative, in the maximum norm, per quantity and robot. The allowed error is max(1e-12, 100 eps
+// cond) with cond the 1-norm condition of the island's K.
 
 #include <algorithm>
 #include <iosfwd>
@@ -21,9 +21,9 @@ struct Errors {
 };
 std::ostream& operator<<(std::ostream& out, const Errors& e);
 
-/// Returns errors of data.a, data.f against a (scene.nv) and f (as data.f), in double or quadruple precision.
-/// `condition`: per island. With `a_free` a robot's errors are relative to the larger of its accelerations and these,
-/// for balanced forces, where accelerations are rounding error of the input.
+/// Returns errors of data.a, data.f relative to a (scene.nv) and f (as data.f), in double or quadruple precision.
+/// `condition`: per island. With `a_free` a robot's errors are relative to the larger of its accelerations and a_free,
+/// for balanced forces, where accelerations are rounding errors of the input.
 template <class S>
 Errors errors(const Scene& scene, const SceneData& data, const VecX<S>& a, const VecX<S>& f,
               const std::vector<double>& condition, const Eigen::VectorXd& a_free = {});

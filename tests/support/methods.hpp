@@ -15,8 +15,7 @@ struct Way {
   Options options;
 };
 
-/// Returns each method, with each order if the method has one, and sparse-ldl without SIMD batches; the dense reference
-/// solver only on request.
+/// Returns each method with each order that it has, and sparse-ldl without SIMD; `dense` only on request.
 inline std::vector<Way> ways(bool with_oracle = false) {
   std::vector<Way> out;
   for (Method method : methods()) {
@@ -29,7 +28,7 @@ inline std::vector<Way> ways(bool with_oracle = false) {
   return out;
 }
 
-/// Returns the same, and sparse-ldl at each level of instructions that runs here.
+/// Returns these, and sparse-ldl at each instruction level of this machine.
 inline std::vector<Way> ways_here(bool with_oracle = false) {
   std::vector<Way> out = ways(with_oracle);
   for (SimdLevel lanes : available_simd_levels())

@@ -1,5 +1,5 @@
 #pragma once
-// Many free bodies coupled by contacts are made in code: towers, tables, pyramids, grids, walls.
+// Many free bodies coupled by contacts, made in code: towers, tables, pyramids, grids, walls.
 
 #include <cmath>
 #include <random>
@@ -51,7 +51,7 @@ class PileMaker {
     }
     add_contact(pile_.scene, c);
   }
-  /// Returns all boxes where they were made, in motion unless speed is 0.
+  /// Returns all boxes at their places, in motion unless speed is 0.
   Pile finish(double speed = 0.1) {
     std::mt19937 rng(11);
     std::uniform_real_distribution<double> noise(-speed, speed);

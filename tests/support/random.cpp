@@ -34,7 +34,7 @@ Vec3<double> random_point(std::mt19937& rng, double reach) {
 
 Eigen::Vector4d random_quaternion(std::mt19937& rng) { return random_vector(4, rng).normalized(); }
 
-// The last joint's parent is the joint before or one of its ancestors, which numbers the tree depth first.
+// Returns a parent of the next joint: the last joint or one of its ancestors, which numbers the tree depth first.
 int random_parent(const Model& model, std::mt19937& rng, double branching) {
   int parent = model.njoints() - 1;
   if (parent < 0 || !chance(rng, branching)) return parent;
@@ -132,7 +132,7 @@ Eigen::VectorXd random_configuration(const Model& model, std::mt19937& rng) {
 
 namespace {
 
-// Rows must be independent by a wide margin: with random numbers other rows are rare.
+// Whether rows are independent by a wide margin. With random numbers other rows are rare.
 bool full_rank(const Eigen::MatrixXd& J) {
   if (J.rows() > J.cols()) return false;
   const Eigen::VectorXd diagonal = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(J.transpose()).matrixQR().diagonal();
@@ -206,7 +206,7 @@ Contact random_contact(const RandomScene& s, const SceneOptions& options, std::m
   return c;
 }
 
-// Returns the same equations again, perhaps in other axes.
+// Returns a contact with the same equations, perhaps in other axes.
 Contact repeated(const Contact& c, int number) {
   Contact copy = c;
   copy.name = "repeated" + std::to_string(number);
@@ -234,7 +234,7 @@ RandomScene random_scene(std::mt19937& rng, const SceneOptions& options) {
   const int independent = static_cast<int>(s.scene.contacts.size());
   for (int k = 0; k < options.redundant + options.contradicting && independent > 0; ++k) {
     Contact c = repeated(s.scene.contacts[pick(rng, independent)], k);
-    if (k >= options.redundant) {  // another request for the same motion
+    if (k >= options.redundant) {  // requests another acceleration for the same motion
       c.alpha += 10;
       c.B.placement.p += Vec3<double>(0.1, 0.1, 0.1);
     }

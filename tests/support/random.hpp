@@ -1,5 +1,5 @@
 #pragma once
-// Seeded random robots, states and scenes have moderate numbers: well-posed problems are well conditioned too.
+// Seeded random robots, states and scenes with moderate numbers: well-posed problems are well conditioned, too.
 
 #include <limits>
 #include <random>
@@ -31,8 +31,8 @@ struct ModelOptions {
                                   JointType::kFloating};
   double coordinate_axes = 0.5;   // chance that an axis is +x, +y or +z
   double plain_placements = 0.2;  // chance that a joint's placement does not rotate
-  double branching = 0.3;         // chance that a joint hangs on an ancestor of the one before, not on itself
-  double armature = 0;            // the largest; each coordinate but a floating base's has one
+  double branching = 0.3;         // chance that a joint's parent is an ancestor of the previous joint, not this itself
+  double armature = 0;            // the largest armature; each coordinate but a floating base's has one
   double passive = 0;             // chance that a joint has no torque
   double friction = 0;            // the largest damping and friction; each coordinate has some if this is not 0
 };
@@ -45,9 +45,9 @@ Eigen::VectorXd random_configuration(const Model& model, std::mt19937& rng);
 
 struct SceneOptions {
   int nrobots = 3;
-  std::vector<ModelOptions> models = {};  // of the robots, in turn; empty: each robot differs
-  double same_model = 0.2;                // chance that a robot shares the one before's model, if not given
-  int ncontacts = 8;                      // tried; those that depend (nearly) on earlier ones are left out
+  std::vector<ModelOptions> models = {};  // models of the robots, in turn; empty: each robot differs
+  double same_model = 0.2;                // chance that a robot shares the previous robot's model, if `models` is empty
+  int ncontacts = 8;                      // number tried; those that depend (nearly) on earlier ones are left out
   std::vector<ContactType> types = {ContactType::k1D, ContactType::k2D, ContactType::k3D, ContactType::k5D,
                                     ContactType::k6D};  // 5D in local axes
   std::vector<ReferenceFrame> frames = {ReferenceFrame::kLocal, ReferenceFrame::kWorld,

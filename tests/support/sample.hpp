@@ -4,8 +4,7 @@
 
 namespace manycontact::test {
 
-/// A sweep tests one of so many cases: MANYCONTACT_SAMPLE, which `./run test` sets and `./run test --all` does not;
-/// else 1.
+/// Returns n if sweeps test one of n cases: MANYCONTACT_SAMPLE, which `./run test` sets without --all; otherwise 1.
 inline int sample() {
   const char* every = std::getenv("MANYCONTACT_SAMPLE");
   return every ? std::max(1, std::atoi(every)) : 1;

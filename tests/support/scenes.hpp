@@ -30,7 +30,7 @@ std::string scene_title(const testing::TestParamInfo<std::string>& info);
 struct Edit {
   std::string from, to;
 };
-/// Returns the scene of a file after replacing texts in it, each of which must be there. Robots are still found.
+/// Returns the scene of a file after replacing texts in it, each of which must occur. Paths of robots remain valid.
 SceneFile load_edited(const std::string& path, const std::vector<Edit>& edits);
 
 /// Returns a scene given as text; its paths are relative to models/.

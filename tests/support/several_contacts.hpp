@@ -9,8 +9,7 @@ namespace manycontact::test {
 
 inline int integer(std::mt19937& rng, int low, int high) { return std::uniform_int_distribution<int>(low, high)(rng); }
 
-/// Returns up to four boxes on each other at several points, and at least one on the ground. Some are pushed, and some
-/// on springs.
+/// Returns up to four boxes on each other at several points, at least one on the ground, some with wrenches or springs.
 inline RandomScene random_boxes(std::mt19937& rng) {
   PileMaker make;
   const int boxes = integer(rng, 1, 4);
@@ -35,8 +34,7 @@ inline RandomScene random_boxes(std::mt19937& rng) {
   return s;
 }
 
-/// Returns up to three trees of hinges, at rest, with two to eight contacts that are closed: on few links, in the world
-/// or between links of any two of them.
+/// Returns up to three trees of hinges, at rest, with two to eight closed contacts, to the world or between few links.
 inline RandomScene random_hinges(std::mt19937& rng) {
   RandomScene s;
   const int robots = integer(rng, 1, 3);

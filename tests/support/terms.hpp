@@ -13,11 +13,11 @@ struct Terms {
   Eigen::VectorXd tau_b, a0;
   double damping;
 
-  /// Uses the active contacts of `active`.
+  /// active: one flag per contact of the scene.
   Terms(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
         const Eigen::VectorXd& u);
 
-  /// Returns max |M a - J^T f - tau_b| / max |tau_b|: it is small if forces that are not unique are right.
+  /// Returns max |M a - J^T f - tau_b| / max |tau_b|, which tests forces that are not unique.
   double dynamics_error(const Eigen::VectorXd& a, const Eigen::VectorXd& f) const;
   /// Returns how far a is from minimising |J a + a0|: max |J^T (J a + a0)|, relative.
   double least_squares_error(const Eigen::VectorXd& a) const;

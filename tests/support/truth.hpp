@@ -1,5 +1,5 @@
 #pragma once
-// The dense truth in quadruple precision. It uses no structure but the islands, and keeps nothing.
+// The dense truth in quadruple precision. It uses no structure but the islands, and stores nothing.
 
 #include "dynamics/truth/truth_terms.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// What tests read and set in the memory behind a scene's data.
+// Access of tests to the workspace of a scene's data.
 
 #include "dynamics/internal.hpp"
 #include "manycontact/dynamics/shapes.hpp"
@@ -14,13 +14,13 @@ inline int factorizations_of(const SceneData& data, std::size_t i) {
 /// Returns the number of shapes analysed so far.
 inline std::size_t shapes_analysed(const SceneData& data) { return data_solved(data).workspace->shapes.size(); }
 
-/// Threads inside a call are woken for so many seconds of predicted work for each; 0: always.
+/// Sets the predicted seconds of work per thread from which a call uses threads; 0: always.
 inline void wake_threads_for(SceneData& data, double seconds) {
   if (data.workspace->reduction) wake_threads_for(*data.workspace->reduction->data, seconds);
   data.workspace->worth_a_thread = seconds;
 }
 
-/// Contact sets that are not in use are kept up to so many bytes.
+/// Sets the largest memory of contact sets that are not in use [bytes].
 inline void limit_pool(SceneData& data, std::size_t bytes) {
   if (data.workspace->reduction) limit_pool(*data.workspace->reduction->data, bytes);
   data.workspace->pool.most = bytes;

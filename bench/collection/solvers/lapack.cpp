@@ -1,4 +1,4 @@
-// LAPACK has dense solvers of symmetric indefinite systems: Bunch-Kaufman pivoting (dsysv), the bounded one
+// LAPACK's dense solvers of symmetric indefinite systems: Bunch-Kaufman pivoting (dsysv), its bounded variant
 // (dsysv_rook), and the expert driver with refinement (dsysvx).
 
 #include <stdexcept>
@@ -20,7 +20,7 @@ namespace manycontact::collection {
 
 namespace {
 
-constexpr int kLargest = 2500;  // O(n^3)
+constexpr int kLargest = 2500;  // unknowns; the cost is O(n^3)
 constexpr int kOne = 1;
 
 void check(int info, int n) {

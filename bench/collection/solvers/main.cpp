@@ -3,8 +3,7 @@
 //     manycontact_collection --list                        a line "NAME VERSION" per solver
 //     manycontact_collection SOLVER K.mtx b.mtx x.txt      writes x, prints the median time of one solve [us]
 //
-// SOLVER is a name, or NAME:DELTA, which solves K - [0 0; 0 DELTA I] instead, or sparse-ldl:DELTA:STEPS
-// (sparse_ldl.cpp).
+// SOLVER is NAME, NAME:DELTA for K - [0 0; 0 DELTA I] instead of K, or sparse-ldl:DELTA:STEPS (sparse_ldl.cpp).
 
 #include <algorithm>
 #include <chrono>
@@ -30,7 +29,7 @@ const std::vector<Kind>& kinds() {
 
 namespace {
 
-// Returns the first line after comments; `in` is after it. nv: from the comment "% nv 38, nc 12", if there is one.
+// Returns the first line after the comments, and leaves `in` after it. Sets nv from a comment "% nv 38, nc 12".
 std::istringstream sizes_of(std::ifstream& in, const std::string& path, int& nv) {
   std::string line;
   while (std::getline(in, line) && line.starts_with("%")) std::sscanf(line.c_str(), "%% nv %d", &nv);
@@ -58,7 +57,7 @@ System read(const std::string& K, const std::string& b) {
   return out;
 }
 
-// Computes K - [0 0; 0 delta I].
+// Replaces K by K - [0 0; 0 delta I].
 void damp(System& s) {
   std::vector<Eigen::Triplet<double>> diagonal;
   for (int i = s.nv; i < s.size(); ++i) diagonal.emplace_back(i, i, -s.damping);
@@ -67,7 +66,7 @@ void damp(System& s) {
   s.lower = Eigen::SparseMatrix<double>(s.lower + D);
 }
 
-// Times at least a few solves, and half a second of them.
+// Returns the median time of at least a few solves, and of half a second of them.
 double median_time(Solver& solver, Eigen::VectorXd& x) {
   using Clock = std::chrono::steady_clock;
   constexpr int kLeast = 3, kMost = 1001;

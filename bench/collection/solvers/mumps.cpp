@@ -1,5 +1,4 @@
-// MUMPS, sequential, is a multifrontal LDL^T with pivoting for symmetric indefinite systems. It runs with its defaults
-// and with two steps of refinement.
+// MUMPS, sequential: a multifrontal LDL^T with pivoting, with its defaults and with two steps of refinement.
 
 #include "solver.hpp"
 
@@ -29,7 +28,7 @@ struct Mumps : Solver {
     call(-1);
     for (int k : {0, 1, 2, 3}) m.icntl[k] = k == 3 ? 0 : -1;  // silent
     m.icntl[9] = refinement;
-    m.icntl[13] = 200;  // percent of memory more than predicted, for pivots that are delayed
+    m.icntl[13] = 200;  // percent of additional memory, for delayed pivots
     m.n = s.size();
     m.nnz = static_cast<MUMPS_INT8>(values.size());
     m.irn = rows.data();

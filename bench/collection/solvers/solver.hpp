@@ -1,5 +1,5 @@
 #pragma once
-// The collection judges solvers of K x = b, K symmetric and indefinite.
+// The interface of the compared solvers of K x = b, K symmetric and indefinite.
 
 #include <Eigen/SparseCore>
 #include <memory>
@@ -13,12 +13,12 @@ struct System {
   Eigen::SparseMatrix<double> lower;
   Eigen::VectorXd b;
   int nv = 0;          // rows of M, which come first
-  double damping = 0;  // dials of sparse-ldl
+  double damping = 0;  // damping and steps are parameters of sparse-ldl
   int steps = 0;
   int size() const { return static_cast<int>(lower.rows()); }
 };
 
-/// A solver is prepared for one system. Work that depends on the pattern of K alone is done at creation, and not timed.
+/// A solver of one system. Work that depends on the pattern of K alone is done at creation, and not timed.
 struct Solver {
   virtual ~Solver() = default;
   /// Factorizes K and solves for b, each time again. Throws std::runtime_error if K cannot be factorized.
@@ -27,14 +27,13 @@ struct Solver {
 
 struct Kind {
   std::string name, version;
-  int largest;  // unknowns, above which it is not run: 0 for no limit
+  int largest;  // largest number of unknowns for which it is run; 0: no limit
   std::unique_ptr<Solver> (*make)(const System& system);
 };
 
 /// One entry per library found when this program was built.
 const std::vector<Kind>& kinds();
 
-// Each is in a file of its own.
 std::vector<Kind> lapack_kinds();
 std::vector<Kind> mumps_kinds();  // empty without MUMPS
 std::vector<Kind> suitesparse_kinds();

@@ -1,6 +1,5 @@
-// Our solver uses the numbers of K alone: the scheduled L D L^T of manycontact's module sparse in the order
-// leaf-to-root, with two dials. sparse-ldl:DELTA:STEPS factorizes K - [0 0; 0 DELTA I] and makes STEPS steps of
-// refinement, whose residual is that of K.
+// Our solver, given K alone: manycontact's scheduled L D L^T in the order leaf-to-root. sparse-ldl:DELTA:STEPS
+// factorizes K - [0 0; 0 DELTA I] and makes STEPS steps of refinement with the residual of K.
 
 #include <algorithm>
 #include <numeric>
@@ -56,7 +55,7 @@ struct SparseLdl : Solver {
   }
 
   int n, steps;
-  std::vector<int> place;  // of a row of K in the elimination order
+  std::vector<int> place;  // position of each row of K in the elimination order
   sparse::UpperCsc pattern;
   sparse::LdlSymbolic symbolic;
   sparse::LdlSchedule schedule;

@@ -1,5 +1,4 @@
-// CHOLMOD's simplicial LDL^T and SuiteSparse's LDL both use AMD's order and no pivoting: they are fast, and not meant
-// for indefinite systems.
+// CHOLMOD's simplicial LDL^T and SuiteSparse's LDL, in AMD's order and without pivoting: fast, for definite systems.
 
 #include <amd.h>
 #include <cholmod.h>

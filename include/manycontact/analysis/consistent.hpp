@@ -5,12 +5,10 @@
 //     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    repeated until e is a rounding error
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
 //
-// Each step is a solve of the scene at rest, without gravity, with a prescribed motion of the contacts: [M J^T; J 0].
-// It works for redundant contacts, too. The iteration for q is Gauss-Newton's method with the least step in the
-// mass-weighted norm. If |e| does not decrease, the contacts are damped until it does (Levenberg-Marquardt): [M J^T; J
-// -delta I]. The computation of v is that of an impact (simulation/switch.hpp).
-//
-// |e| adds metres and radians with equal weights. Limits of joints are ignored.
+// Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
+// contacts. These may be redundant. q is iterated by Gauss-Newton's method with the least step in the mass-weighted
+// norm. While |e| does not decrease, the contacts are damped (Levenberg-Marquardt): -delta I replaces 0. v is computed
+// as for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -19,7 +17,7 @@ namespace manycontact {
 
 struct ConsistentState {                  // The state found, and its remaining errors.
   Eigen::VectorXd q, v;                   // nq, nv
-  Status status = Status::kOk;            // the worst status of its solves; kFailed: the computation ended there
+  Status status = Status::kOk;            // the worst status of the solves; kFailed: the computation ended there
   int steps = 0;                          // Gauss-Newton steps
   std::vector<PlacementError> misplaced;  // contacts that could not be brought into place
   std::vector<VelocityError> moving;      // contacts that still move

@@ -1,7 +1,6 @@
 #pragma once
-// Checks of a scene and its solution that no status covers. They find contacts that start out of place or moving,
-// forces that a unilateral contact cannot exert, contradicting contacts, exceeded joint limits, and joints without
-// inertia.
+// Checks of a scene and its solution that no status covers: contacts that start out of place or moving, forces that a
+// unilateral contact cannot exert, contradicting contacts, exceeded joint limits, and joints without inertia.
 
 #include <string>
 #include <vector>
@@ -46,24 +45,23 @@ std::vector<VelocityError> velocity_errors(const Scene& scene, const ConstVector
 /// Describes an error: "0.5 m/s and 0.1 rad/s", without negligible parts.
 std::string in_words(const VelocityError& error);
 
-/// The coordinate of a robot that no torques keep at rest: "r0/pole".
+/// Returns the name of the coordinate that no torques keep at rest: "r0/pole".
 std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
-/// Describes it: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
+/// Describes the unbalanced load: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
-/// Smaller rates of rows that rotate are attributed to rounded numbers in files [m/s^2].
+/// Smaller rates of J v due to rotating rows are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
-/// A 1D or 2D contact whose rows rotate while its point moves across them: in local axes with a body A that turns, in
-/// the world's if B' turns. J a + a0 = 0 then differs from a constant J v, for it is the acceleration of A seen from
-/// B'.
+/// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
+/// in world axes with a rotating B'. J a + a0 = 0, the acceleration of A seen from B', then does not keep J v constant.
 struct TurningRows {
   int contact = 0;
-  double rate = 0;  // m/s^2: of J v, if solve's J a + a0 = 0 and the gains are zero
+  double rate = 0;  // m/s^2: rate of J v in `solve` (J a + a0 = 0) with gains of zero
 };
 
-/// Lists those contacts flagged `active` where the rate is kTurningRows or more at q (scene.nq), v (scene.nv). `solve`
-/// has that rate; `step` keeps J v constant. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// Lists those contacts flagged `active` whose rate is kTurningRows or more at q (scene.nq), v (scene.nv). J v changes
+/// at that rate with `solve`; `step` keeps J v constant. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                       const std::vector<char>& active);
 
@@ -94,17 +92,17 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
-/// The same with other loads than the weights [N], one per robot: what the forces were computed from. In a step of
-/// semi-implicit Euler these are momenta over the step size, too.
+/// Does the same, relative to given loads [N], one per robot, instead of the weights. In a step of semi-implicit Euler
+/// the loads include momenta divided by the step size.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
-/// The weights of the robots [N].
+/// Returns the weights of the robots [N].
 Eigen::VectorXd robot_weights(const Scene& scene);
 
-/// The normal and the tangential component [N] of the linear force f (its rows) of a contact at q (scene.nq).
+/// Returns the normal and the tangential component [N] of a contact's linear force at q (scene.nq). f: its rows only.
 Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
 
-/// The quantity that exceeds a limit.
+/// The quantities that have limits.
 enum class LimitKind { kPosition, kVelocity, kEffort };
 /// "position", "velocity", "effort".
 std::string to_string(LimitKind quantity);
@@ -116,14 +114,12 @@ struct LimitPassed {
   double value = 0, limit = 0;
 };
 
-/// Lists exceeded limits at q (nq), v (nv), u (nu). A velocity or effort limit of 0 means no limit, since files contain
-/// it if the limit is unknown. Equal lower and upper limits are limits, as everywhere. Throws std::invalid_argument for
-/// wrong sizes. Thread-safe.
+/// Lists exceeded limits at q (nq), v (nv), u (nu). Velocity or effort limits of 0 are ignored, as files use 0 for
+/// unknown. Equal lower and upper limits are limits. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                        const ConstVectorRef& u);
 
-/// The difference between a contact's acceleration and the required one: |J a + a0 + delta f| for its linear and
-/// angular rows.
+/// The deviation of a contact's acceleration from the required one: |J a + a0 + delta f| of linear and angular rows.
 struct Contradiction {
   int contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
@@ -133,9 +129,8 @@ struct Contradiction {
 /// left out. Call it after solve; throws std::logic_error before.
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
-/// Finds the coordinates of a robot at q (its nq) without joint-space inertia, armature included. The pivots of its
-/// leaf-to-root elimination are rounding errors there. Throws std::length_error for trees too deep for a joint-space
-/// inertia.
+/// Finds the coordinates without joint-space inertia, armature included, of a robot at q (its nq): their pivots in the
+/// leaf-to-root elimination are rounding errors. Throws std::length_error for trees too deep for that inertia.
 std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.
@@ -144,9 +139,8 @@ struct MasslessJoint {
   std::string why;    // no mass below it, or a missing moment of inertia, or no inertia left by the joints below
 };
 
-/// Lists such joints for all robots in islands that failed for lack of inertia, each joint once. For trees too deep for
-/// a joint-space inertia, only joints without mass below them are found. Call it after solve at q (nq); throws
-/// std::logic_error before.
+/// Lists each massless joint of the robots in islands that failed for lack of inertia; in trees too deep for a
+/// joint-space inertia, only joints without mass below them. Throws std::logic_error before a solve at q (nq).
 std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

@@ -6,8 +6,8 @@ namespace manycontact {
 struct TaskFile;  // io/task_file.hpp
 
 /// Reads a scene file with read_scene, computes q and v with fit_state, and computes the torques of robots with
-/// u="gravity" with quasi_static (dynamics/quasi_static.hpp) at that q. If no torques keep such a robot at rest, it
-/// adds a finding of kind "rest". The result is independent of the file. Throws InputError. Thread-safe.
+/// u="gravity" with quasi_static (dynamics/quasi_static.hpp) at that q. Adds a finding of kind "rest" for a robot that
+/// no torques keep at rest. The file is not needed afterwards. Throws InputError. Thread-safe.
 SceneFile load_scene(const std::string& path);
 /// Does the same for XML text, as read_scene_text does.
 SceneFile load_scene_text(const std::string& text, const std::string& path);
@@ -15,9 +15,8 @@ SceneFile load_scene_text(const std::string& text, const std::string& path);
 /// Computes the q of the poses in a scene file (analysis/place.hpp), then consistent q and v (analysis/consistent.hpp),
 /// if the file requests them. The scene must come from read_scene. Throws InputError.
 void fit_state(SceneFile& file);
-/// Does the same for the scene of a task read by read_task, and for references given as poses. Their configurations
-/// meet the poses, start from the scene's q, and keep the contacts in place whose placement is known at the start of
-/// the task.
+/// Does the same for the scene of a task read by read_task, and for references given as poses. The search for such a
+/// reference starts from the scene's q. It keeps contacts in place whose placement is known at the start of the task.
 void fit_state(TaskFile& task);
 
 }  // namespace manycontact

@@ -1,6 +1,6 @@
 #pragma once
-// Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. With e the errors
-// of the goals and J their derivatives, both times the square root of a goal's weight, it repeats
+// Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. Let e be the errors
+// of the goals and J their derivatives, both times the square root of a goal's weight. `place` repeats
 //
 //     q := q (+) dq        min |J dq + e|^2 + mu |dq|^2        lower <= q + dq <= upper
 //
@@ -8,14 +8,14 @@
 //
 //     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited
 //
-// and that matrix is sparse: two goals are coupled only if they are on one robot, or on robots that contacts couple.
-// Block pivoting finds the coordinates at a limit; it ends at the unique minimum of the step. Source: Judice, Pires, A
-// block principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Computers &
-// Operations Research 21 (1994).
+// where the matrix J J^T + mu 1 is sparse: two goals are coupled only if they are on one robot, or on robots that
+// contacts couple. Block pivoting finds the coordinates at a limit, and ends at the unique minimum of the step. Source:
+// Judice, Pires, A block principal pivoting algorithm for large-scale strictly monotone linear complementarity
+// problems, Computers & Operations Research 21 (1994).
 //
 // If these steps converge slowly because a large error remains, Newton steps replace them; the Hessian of |e|^2 is
 // applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre
-// and one milliradian away. Straight knees and elbows, as in the neutral q, are saddle points.
+// and one milliradian away, since straight knees and elbows, as in the neutral q, are saddle points.
 //
 // The errors of contradicting goals are distributed according to their weights. The result is a local minimum near the
 // start; `restarts` searches from other configurations.
@@ -49,22 +49,19 @@ struct Goal {
   int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: its robot
   int joint = -1;                         // kJoint: a revolute or prismatic joint
   double value = 0;                       // kJoint [rad, m]
-  int contact = -1;                       // kContact: its frames are to have the placement that it requires
+  int contact = -1;                       // kContact: the contact to bring into place
 };
 
 /// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
 /// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Other incomplete
-/// angles are those of rpy, which are singular at a pitch of pi/2. frame: a frame of a robot, from find_frame or
-/// attach.
+/// angles are those of rpy, singular at a pitch of pi/2. frame: of a robot, from find_frame or attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);
 /// A goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown robot.
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot = "", double weight = 1);
-/// A goal for the position of a joint with one coordinate [rad, m], such as "r0/knee". Throws std::invalid_argument for
-/// another joint.
+/// A goal for the position of a one-coordinate joint [rad, m], "r0/knee". Throws std::invalid_argument for others.
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight = 1);
-/// A goal for a contact of the scene, active or not: that it is in place. Throws std::invalid_argument for an unknown
-/// name.
+/// A goal that a contact of the scene, active or not, is in place. Throws std::invalid_argument for an unknown name.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
 
 struct GoalLeft {       // The remaining error of a goal.
@@ -90,15 +87,14 @@ struct PlacedScene {           // The configuration found, and its remaining err
   bool met(double error = 1e-9) const;
 };
 
-/// Searches from q (nq), which is moved within the limits first. A joint whose limits are equal does not move. Throws
+/// Searches from q (nq), which is first moved within the limits. A joint whose limits are equal does not move. Throws
 /// std::invalid_argument for a wrong size or number, or an unknown robot, joint or contact. Allocates. Thread-safe.
 PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector<Goal>& goals,
                   const PlaceOptions& options = {});
 
 /// Computes the q required by the <pose> elements of a scene file, starting from the file's q. With consistent="true",
-/// it also brings active contacts into place whose B' is in the file; contacts without B' are constrained at the
-/// placement found. Adds a finding of kind "pose" that states what moved. If the poses cannot all be met within the
-/// limits, throws InputError for the worst pose.
+/// it also brings active contacts into place whose B' is in the file; others are constrained at the placement found.
+/// Adds a finding of kind "pose" that states what moved. Throws InputError for the worst pose that cannot be met.
 void place(SceneFile& file);
 
 /// Computes the references of a task's terms that are given as poses, from the scene's q; see fit_state in

@@ -4,8 +4,7 @@
 //     f + N y,    J^T N = 0,
 //
 // causes the same accelerations. The columns of N are a basis of the null space of J^T. These functions compute N, and
-// the forces that are closest to given ones. For conditions such as friction cones, use N in a quadratic programme for
-// y.
+// the forces closest to given ones. For conditions such as friction cones, find y with N in a quadratic program.
 
 #include <Eigen/SparseCore>
 
@@ -13,10 +12,10 @@
 
 namespace manycontact {
 
-/// Computes an orthonormal basis N of the null space of J^T after a solve at q (scene.nq). N has data.f.size() rows
-/// and, for each island, nc - rank columns; it is block diagonal by island. It has no columns with damping, since all
-/// forces are unique then, and none for failed islands. Each column costs a few solves of the scene at rest. Allocates.
-/// Throws std::logic_error before a solve, std::invalid_argument if q has a wrong size. Thread-safe for distinct data.
+/// Computes an orthonormal basis N of the null space of J^T after a solve at q (scene.nq). N has data.f.size() rows and
+/// nc - rank columns per island; it is block diagonal by island. It has no columns for scenes with damping, which makes
+/// all forces unique, and for failed islands. Each column costs a few solves of the scene at rest. Allocates. Throws
+/// std::logic_error before a solve, std::invalid_argument for a wrong size of q. Thread-safe for distinct data.
 Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
 /// Computes the forces f' (data.f.size()) with J^T f' = J^T f that minimise

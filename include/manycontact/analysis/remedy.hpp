@@ -1,5 +1,4 @@
 #pragma once
-// Advice on solutions that are not `ok`.
 
 #include <string>
 
@@ -7,11 +6,11 @@
 
 namespace manycontact {
 
-/// Advice for an island's status and reason, in one or two sentences that name the function to call or the attribute to
+/// Returns one or two sentences for an island's status and reason, which name the function to call or the attribute to
 /// set; empty for `ok`. Thread-safe.
 std::string remedy(const IslandReport& report);
 
-/// Advice for the worst island of a scene: that of its status, and of its reason if islands share the status.
+/// Returns advice for the worst island: that of the scene's status, and of its reason if islands share the status.
 std::string remedy(const Report& report);
 
 }  // namespace manycontact

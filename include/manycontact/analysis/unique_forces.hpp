@@ -1,5 +1,4 @@
 #pragma once
-// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts.
 
 #include <vector>
 
@@ -7,14 +6,13 @@
 
 namespace manycontact {
 
-/// Returns one flag per row of data.f. A flag is 1 if every f with the same J^T f has this component. It is 0 if the
-/// least-norm f is one choice among many, because the null space of J^T has a component there, and if there is no
-/// solution. Example: of a door on two ball joints, the horizontal forces are unique, the distribution of the weight is
-/// not.
+/// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts. Returns one
+/// flag per row of data.f. It is 1 if every f with the same J^T f has this component, 0 if the null space of J^T has a
+/// component there or there is no solution. A door on two ball joints has unique horizontal forces, but the
+/// distribution of its weight is not unique.
 ///
 /// The norm adds squares of newtons and newton metres, weighted by Scene::moment_length. Other weights change the
-/// least-norm forces, but not those that are unique. To choose other forces, see redistribute_forces in
-/// analysis/redistribute_forces.hpp.
+/// least-norm forces, but not the unique ones. To choose other forces, see analysis/redistribute_forces.hpp.
 ///
 /// Call it after solve at q (nq). With damping every force is unique. Otherwise random vectors w are projected on the
 /// null space of J^T, by solves of the scene at rest: the projection is w - J x with the least |J x - w|. Component i

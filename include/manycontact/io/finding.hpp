@@ -1,5 +1,4 @@
 #pragma once
-// Questionable but usable input.
 
 #include <string>
 

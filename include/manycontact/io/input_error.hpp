@@ -1,12 +1,11 @@
 #pragma once
-// Bad input: the file, the line, what is wrong there, and what was expected.
 
 #include <stdexcept>
 #include <string>
 
 namespace manycontact {
 
-/// An error in an input file. what() is exactly "FILE:LINE: message", on one line for any input.
+/// An error in an input file, and what was expected. what() is "FILE:LINE: message", on one line for any input.
 struct InputError : std::runtime_error {
   InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 

@@ -1,5 +1,4 @@
 #pragma once
-// A scene read from its XML file: robots with their copies and their state, and contacts.
 
 #include <optional>
 #include <string>
@@ -20,7 +19,7 @@ struct RobotGroup {
   int line = 1;
 };
 
-/// One <contact> element: a contact, or its copies, which are consecutive in the scene.
+/// One <contact> element: a contact, or its copies. Copies are consecutive in the scene.
 struct ContactGroup {
   std::string name;  // name in the file; copies are called name0, name1, ... after the copy of frame A's robot
   bool copied = false;
@@ -29,17 +28,17 @@ struct ContactGroup {
 };
 
 /// A <pose> element, or that of one copy: the required placement of a frame, or of a robot's centre of mass, in the
-/// world [m, rad]. Angles are those of rpy. Components that are not given are open.
+/// world [m, rad]. Angles are those of rpy. Missing components are open.
 struct ScenePose {
   std::string name;  // "robot/link", or the robot's name
   Attachment frame;
-  bool center_of_mass = false;  // the goal is the centre of mass of the robot frame.robot
+  bool center_of_mass = false;  // whether the goal is the centre of mass of the robot frame.robot
   std::optional<double> x, y, z, roll, pitch, yaw;
   std::string file;
   int line = 1;
 };
 
-/// A contact whose B' is missing in the file, at least in part. It is computed from q.
+/// A contact whose B' is missing in the file, at least in part. The missing part is computed from q.
 struct OpenReference {
   int contact = 0;
   bool position = false, orientation = false;  // whether this part is missing
@@ -64,11 +63,10 @@ struct SceneFile {  // A scene, its state, and the elements of the file that def
 };
 
 /// Reads a scene file. Missing references of contacts are computed from q. The torques u of gravity_robots are NaN. q
-/// and v are those of the file even if it requests poses or a consistent state: these need a solver, see load_scene
-/// (analysis/load_scene.hpp). Throws InputError. Thread-safe.
+/// and v are those of the file, even if it requests poses or a consistent state: load_scene (analysis/load_scene.hpp)
+/// computes these. Throws InputError. Thread-safe.
 SceneFile read_scene(const std::string& path);
-/// Reads XML text in UTF-8, whatever encoding it declares, as if it were the file `path`, which need not exist. Throws
-/// InputError. Thread-safe.
+/// Does the same for UTF-8 XML text, whatever encoding it declares, as if from a file `path`, which need not exist.
 SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

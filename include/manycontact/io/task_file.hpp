@@ -1,6 +1,5 @@
 #pragma once
-// An optimal control task read from its XML file: a scene, phases with their contacts, costs and constraints, and
-// solver settings. Plain data; task/problem.hpp makes a shooting problem of it.
+// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem of it.
 
 #include <string>
 #include <vector>
@@ -34,10 +33,10 @@ bool of_state_alone(TaskResidual residual);
 /// The name in task files: "frame_placement".
 const char* to_string(TaskResidual residual);
 
-/// The activation of a cost. Cones have a barrier at their own bounds unless the file specifies something else.
+/// The activation of a cost. By default, cones have a barrier at their own bounds.
 enum class TaskActivation { kQuad, kWeightedQuad, kQuadraticBarrier, kWeightedQuadraticBarrier, kSmooth1Norm };
 
-/// One <cost> or <constraint>. Only those numbers are set that the residual uses, for one copy of the robot or contact.
+/// One <cost> or <constraint>. Only the numbers that the residual uses are set, for one copy of the robot or contact.
 struct TaskTerm {
   std::string name;
   int line = 1;
@@ -58,7 +57,6 @@ struct TaskTerm {
   std::optional<Vec3<double>> normal;  // normal of a cone, as Contact::normal; none: that of the contact
   Eigen::Vector2d box{0, 0};
 
-  // Members of a cost.
   double weight = 1;
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr numbers, for weighted activations
@@ -72,8 +70,8 @@ struct TaskPhase {
   int line = 1;
   int nodes = 0;                     // number of nodes, not counting that of an impact
   bool impact = false;               // before the nodes: contacts stop the velocity of their frames at once
-  bool at_scene = false;             // contacts that close do so at their placement in the scene; false: where their
-                                     // frames are then
+  bool at_scene = false;             // whether contacts that close do so at their placement in the scene; false: where
+                                     // their frames are at that time
   std::vector<bool> active;          // one flag per contact of the scene
   std::vector<Vec6<double>> wrenches;  // external wrenches in these nodes, as in SceneData; empty: the scene's
   std::vector<TaskTerm> costs, constraints;
@@ -88,13 +86,13 @@ const char* to_string(TaskSolver solver);
 /// The initial guess of the controls.
 enum class TaskGuess { kQuasiStatic, kZero };
 
-struct TaskFile {  // A task as its file describes it.
+struct TaskFile {  // A task: a scene, phases with contacts, costs and constraints, and solver settings.
   std::string path, name;
   SceneFile scene;
   double step = 0;  // s
   TaskIntegrator integrator = TaskIntegrator::kEuler;
   std::vector<TaskPhase> phases;
-  TaskPhase terminal;  // the terminal node; its number of nodes is 0
+  TaskPhase terminal;  // its number of nodes is 0
 
   int solver_line = 1;
   TaskSolver solver = TaskSolver::kAuto;
@@ -105,8 +103,8 @@ struct TaskFile {  // A task as its file describes it.
   int nodes() const;  // number of running nodes, impacts included
 };
 
-/// Reads a task file and its scene. fit_state (analysis/load_scene.hpp) does what needs a solver. Throws InputError,
-/// also for the scene's file. Thread-safe.
+/// Reads a task file and its scene. fit_state (analysis/load_scene.hpp) computes what needs a solver. Throws
+/// InputError, also for the scene's file. Thread-safe.
 TaskFile read_task(const std::string& path);
 
 }  // namespace manycontact

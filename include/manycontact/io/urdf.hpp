@@ -1,14 +1,12 @@
 #pragma once
-// A robot read from a URDF file.
-//
-// Fixed and locked joints are merged into the parent's body; every link remains available as a frame. Joints are
-// numbered depth first from the root, those of a link in byte order of their names. Masses and inertias are checked per
-// moving body, after merging. With a fixed base, bodies merged into the root link cannot move and are left out.
+// Reads a robot from a URDF file. Fixed and locked joints are merged into the parent's body; every link remains
+// available as a frame. Joints are numbered depth first from the root, those of a link in byte order of their names.
+// Masses and inertias are checked per merged body. Bodies merged into a fixed root link are left out.
 //
 // Questionable but usable input is accepted and reported as findings:
 //
 // - principal moments that violate the triangle inequality
-// - limits that are infinite, negative, crossed or missing; they bound nothing
+// - limits that are infinite, negative, crossed or missing; they are ignored
 // - missing numbers of an inertia, which become 0
 // - elements that influence the motion and are ignored
 
@@ -37,27 +35,25 @@ struct UrdfOptions {           // Properties of a robot that are not in its file
                                 // otherwise they are only noted
   std::set<std::string> actuated = {};  // floating joints of the file with torques in u; by default they have none
   std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints with one coordinate only
-  /// The link that replaces the file's root: it is moved by the floating base, or fixed to the world. Empty: the file's
-  /// root. Joints between the two roots are inverted: the child carries the parent. Their axis is negated, so that q,
-  /// v, torques and limits keep their meaning.
+  /// If not empty, the link that replaces the file's root: it is moved by the floating base, or fixed to the world.
+  /// Joints between both roots are inverted, with a negated axis, so that q, v, torques and limits keep their meaning.
   std::string root = {};
 
   bool operator==(const UrdfOptions&) const = default;
 };
 
-/// The options do not fit the robot: `joint` is unknown or fixed, or has several coordinates, ...
+/// Thrown if the options do not fit the robot: `joint` is unknown or fixed, or has several coordinates, ...
 struct UrdfOptionError : std::invalid_argument {
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
-      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}  // message: what is wrong
+      : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}
   std::string joint;
   bool lock;  // whether the error is in UrdfOptions::locked
 };
 
-/// Reads and finalizes a model. Limits are infinite if the file has none that bound anything; a lower or upper bound
-/// that <limit> leaves out is 0, as URDF defines. `findings`, unless null, receives questionable input, in the order of
-/// lines. The order of q is that of the joints, see the top of this file. Throws InputError if nothing can be computed
-/// from the file (no tree, no numbers, negative masses or moments after merging), and UrdfOptionError for the options.
-/// Thread-safe.
+/// Reads and finalizes a model. Limits are infinite if the file has no effective ones; a lower or upper bound that
+/// <limit> leaves out is 0, as URDF defines. `findings`, unless null, receives questionable input, in the order of
+/// lines. The order of q is that of the joints (see above). Throws InputError if nothing can be computed from the file
+/// (no tree, no numbers, negative masses or moments after merging), and UrdfOptionError. Thread-safe.
 Model load_urdf(const std::string& path, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr);
 
 }  // namespace manycontact

@@ -6,45 +6,43 @@
 //     [ M  J^T     ] [ x    ]   [ -h ID(q, v, s) + h tau     ]      s = -(v / h + w x v)
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) x
 //
-// x is the velocity at the end, in the axes of the start. Joints move by h x. The axes of free joints rotate with their
-// bodies, and these move by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. A velocity that all bodies share changes
-// nothing else. For joints with fixed axes s = -v / h, and the right-hand side is M v + h (tau - h(q, v)).
+// x is the velocity at the end of the step, in the body axes at its start. Joints move by h x. The axes of free joints
+// rotate with their bodies, and these move by p+ = p + h R x, R+ = R exp(h w+), v+ = R+^T R x. Adding one velocity to
+// all bodies changes nothing else. With fixed axes s = -v / h, and the right-hand side is M v + h (tau - ID(q, v, 0)).
 //
 // tau = tau(q, v, u, w) is the torque of motors and external wrenches at the start of the step. Dampers and PD laws act
-// with the force of its end, for any h. A spring k between masses m adds h^2 k to M along it. A share of h^2 k v, 1 -
-// r^2, is added to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the step resolves keep
-// their energy, and those that are too fast for it are damped. Joint friction follows Coulomb: it is at most F, and a
+// with their force at the end of the step, for any h. A spring of stiffness k between masses m adds h^2 k to M along
+// the spring, and (1 - r^2) h^2 k v to the right-hand side, with r = z / (1 + z), z = h^2 k / m. Oscillations that the
+// step resolves keep their energy; faster ones are damped. Coulomb friction of a joint is at most its limit, and the
 // joint sticks below 1e-6 rad/s or m/s. Afterwards, the momentum of bodies without connection to the world is corrected
 // (detail/simulation/momentum.hpp).
 //
-// e is the contact's placement error. c is its velocity after the last step: J v initially, then J of the last
-// configuration times x. If e = c = 0, x is the velocity nearest to v + h a_free, in the mass-weighted norm, that the
-// contacts allow. Then contacts never add energy.
+// e is the contact's placement error. c is the contact's velocity after the last step: J v initially, then J of the
+// last configuration times x. If e = c = 0, x is the velocity nearest to v + h a_free, in the mass-weighted norm, that
+// the contacts allow. Contacts then never add energy.
 //
-// Accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do add energy. J v has grown by h J' v since the
-// last step, so that the curvature J' v is compensated twice. Where it grows from step to step, as for legs that
-// straighten, this added half the energy of a scene in 10 ms. For the scheme without gains see Stewart and Trinkle,
-// International Journal for Numerical Methods in Engineering 39 (1996).
+// Prescribed accelerations J a = -J' v - beta J v - alpha e with beta near 1/h do add energy. J v has grown by h J' v
+// since the last step, so that the curvature J' v is compensated twice. Where J' v grows from step to step, as for legs
+// that straighten, this added half the energy of a scene in 10 ms. For the scheme without gains see Stewart and
+// Trinkle, International Journal for Numerical Methods in Engineering 39 (1996).
 //
 // RK4 is the scheme of Munthe-Kaas: q(t) = q0 (+) w(t), and classical Runge-Kutta for (w, v) from w = 0 with
 //
 //     dw/dt = dexp^-1_w v,   dv/dt = a(q0 (+) w, v)
 //     dexp^-1_w v = v + [w, v]/2 + [w, [w, v]]/12 + O(|w|^4 |v|)
 //
-// All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size, and
-// joint friction is smoothed as in solve. v is expressed in the body's frame already
-// and needs no correction. The truncation of the series changes a step by O(h^5), as the scheme itself does. Without
-// the brackets, floating bases and planar joints have order 2 only.
+// All forces are evaluated at the stages. Dampers, springs and PD laws bound the step size, and joint friction is
+// smoothed as in solve. v is expressed in the body's frame already and needs no correction. The truncated series
+// changes a step by O(h^5), as the scheme does. Without the brackets, floating bases and planar joints have order 2.
 //
 // If the motion passes a configuration where J loses rank (a loop of joints in line), nearby stages turn their O(h^2)
 // constraint error into an impulse of arbitrary size. Every solve is correct, but energy jumps, less with shorter
-// steps. The scene's damping bounds the impulse, at the price of a contact acceleration of damping times force, which
-// changes the energy, too.
+// steps. Damping bounds the impulse, but causes contact accelerations of damping times force, and changes energy, too.
 //
-// Contacts constrain J v, also where the rows of a 1D or 2D contact turn while its point moves across them (local axes
-// of a body that turns). J a + a0 = 0 of solve, Crocoddyl's formula, is not the rate of J v there (turning_rows in
-// analysis/findings.hpp). Both integrators keep J v; gains beta act on it, and alpha on placement errors of rows that
-// do not turn like that. After a step of RK4 with such rows `dynamics` has no derivatives.
+// Contacts constrain J v, also where the rows of a 1D or 2D contact rotate while its point moves across them (local
+// axes of a body that rotates). J a + a0 = 0 of solve, Crocoddyl's formula, does not keep J v constant there
+// (turning_rows in analysis/findings.hpp). Both integrators keep it. Gains beta act on J v, and alpha on placement
+// errors of rows that do not rotate like that. After a step of RK4 with such rows `dynamics` has no derivatives.
 //
 // Source: Munthe-Kaas, High order Runge-Kutta methods on manifolds, Applied Numerical Mathematics 29 (1999).
 
@@ -68,11 +66,10 @@ enum class StepStatus {
   kTooFast,       // a velocity after the step exceeds SimulationData::velocity_limit
 };
 
-/// The scene at rest, for solves that prescribe velocities instead of accelerations (semi-implicit Euler, impacts). It
-/// has no gravity, bias, external wrenches and springs, and its gains convert placement errors to velocities. Contains
-/// the workspace.
+/// The scene at rest, with workspace, for solves that prescribe velocities instead of accelerations (semi-implicit
+/// Euler, impacts). It has no gravity, bias, wrenches and springs, and its gains turn placement errors into velocities.
 struct SceneAtRest {
-  explicit SceneAtRest(const Scene& scene);  // a copy without gravity
+  explicit SceneAtRest(const Scene& scene);  // copies `scene` without gravity
   /// Copies everything from `of` that may change. alpha becomes alpha h [1/s], beta 0.
   void follow(const Scene& of, double h);
   /// Computes c = J v of the contacts with a first row in f_offset. Call it after inverse_dynamics_of at q, v.
@@ -84,7 +81,7 @@ struct SceneAtRest {
                            const Eigen::VectorXd& a, const Vec3<double>& gravity, Eigen::VectorXd& tau);
 
   Scene scene;
-  Vec3<double> gravity = Vec3<double>::Zero();  // gravity of `of`; set by follow
+  Vec3<double> gravity = Vec3<double>::Zero();  // gravity of the scene followed
   Eigen::VectorXd zero;                         // nv
   std::vector<Kinematics<double>> kin;          // one entry per robot
   std::vector<Vec6<double>> f;                  // workspace
@@ -101,8 +98,8 @@ struct PdLaws {
 /// Work of forces in a step, each force times the mean of the velocities before and after [J].
 struct StepWork {
   double pd = 0, dampers = 0, friction = 0;  // PD laws; dampers in joints and between points; joint friction
-  double springs = 0;                        // energy that the step took from springs that are too fast for it,
-                                             // beyond their change of energy
+  double springs = 0;                        // energy that the step took from springs too fast for it, beyond their
+                                             // change of energy
 };
 
 struct SimulationData {  // A simulation: state, step size, integrator, and the workspace of its solves. One per thread.
@@ -147,7 +144,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 
   // workspace
   bool in_batches = false;  // whether the solve adds -h ID(q, v, stop) to b, in its SIMD batches
-  Eigen::VectorXd stop;     // the acceleration that ends v within the step
+  Eigen::VectorXd stop;     // the acceleration that brings v to zero within the step
   Eigen::VectorXd b, wanted, next_contact_v;
   Eigen::VectorXd stage_q, stage_v, tau, w, w_rate, v_rate, w_sum, v_sum;
 
@@ -159,10 +156,9 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 /// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
 [[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
-/// The rows of data.f of a contact, given by name or number: the force that it exerted on A in the last step, in its
-/// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for a contact
-/// that does not exist, and suggests the nearest name. Throws std::logic_error for a contact that was not active, and
-/// before the first step.
+/// Returns the rows of data.f of a contact, given by name or number: the force on A in the last step, in the contact's
+/// reference frame [N, N m]. The view remains valid until the next step. Throws std::invalid_argument for an unknown
+/// contact, std::logic_error for a contact that was not active, and before the first step.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
                                                         const std::string& contact);
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact);

@@ -13,17 +13,16 @@
 
 namespace manycontact {
 
-/// The simulations. They belong to the scene they were made for; only its numbers may change, as in `solve`. Only one
-/// batch function may use them at a time.
+/// Simulations of one scene, of which only the numbers may change. Only one batch function may use them at a time.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
-  /// takes as many as OpenMP offers. Throws std::invalid_argument for wrong sizes or a wrong number of threads, and
-  /// unless h is finite and positive.
+  /// takes OpenMP's number. Throws std::invalid_argument for a wrong size or number of threads, or an h that is not
+  /// finite and positive.
   SimulationBatch(const Scene& scene, const ConstBatchRows& q, const ConstBatchRows& v, Integrator integrator, double h,
                   int threads = 0, const Options& options = {});
 
   // These members are set by the caller, between steps, and apply to all states.
-  std::vector<char> active;          // one flag per contact; initially as in the scene. Velocities do not jump
+  std::vector<char> active;          // one flag per contact; initially as in the scene. A change causes no impact
   std::vector<Vec6<double>> wrenches;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
@@ -35,7 +34,7 @@ struct SimulationBatch {
   std::vector<StepStatus> status;  // status of the last step that was tried
 
   struct Part;  // private: states that are stepped together
-  struct Work;  // private: all of these, and a workspace per thread
+  struct Work;  // private: all parts, and a workspace per thread
   std::shared_ptr<Work> work;
 };
 
@@ -44,8 +43,7 @@ struct SimulationBatch {
 /// sizes, before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
-/// Continues state k from q (nq), v (nv). The others are not changed. Throws std::invalid_argument for a wrong size or
-/// number.
+/// Continues only state k from q (nq), v (nv). Throws std::invalid_argument for a wrong size or number.
 void set_state(const Scene& scene, Eigen::Index k, const ConstVectorRef& q, const ConstVectorRef& v,
                SimulationBatch& batch);
 

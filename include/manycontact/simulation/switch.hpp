@@ -5,7 +5,7 @@
 //     [ J  -delta I] [ -Lambda ] = [  0  ]
 //
 // Lambda is an impulse without restitution. v+ is the velocity nearest to v, in the mass-weighted norm, that the
-// contacts allow; the kinetic energy decreases by that of v - v+. A contact that opens changes nothing but the set.
+// contacts allow; the kinetic energy decreases by that of v - v+. Opening a contact changes no velocity.
 
 #include "manycontact/simulation/step.hpp"
 

@@ -18,15 +18,15 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// The data of a run, in every process. `part` is the whole scene unless its islands are split.
+/// The data of a run in one process. `part` is the whole scene unless the processes split the islands.
 struct BatchRun {
   ScenePart part;
   std::string name;
   bool islands = false;
   std::unique_ptr<NpyInput> states;
-  std::vector<NpyOutput> out;  // [a f status], and derivatives where asked for
+  std::vector<NpyOutput> out;  // files of [a f status], and of derivatives if requested
   std::unique_ptr<BatchData> data;
-  std::int64_t count = 0, block = 0;  // states; at a time
+  std::int64_t count = 0, block = 0;  // number of states, in all and per block
 
   bool derivatives() const { return out.size() > 1; }
   int in_size() const { return part.nq + part.nv + part.nu; }
@@ -35,7 +35,7 @@ struct BatchRun {
   std::int64_t derivative_cols() const { return 2 * std::int64_t{part.nv} + part.nu; }
 };
 
-/// One block of states: rows of the whole scene, and of the part.
+/// One block of states. `in` and `out` have the coordinates of the whole scene, the others those of the part.
 struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
@@ -62,8 +62,7 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// The number of states of a block: as many as fit in 64 MB, from 1 to 4096, so that memory is bounded. Processes that
-// share the states get four blocks each, or more.
+// Returns the number of states per block: what fits in 64 MB, 1 to 4096, and at least four blocks per process.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());
@@ -110,12 +109,12 @@ BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
   return run;
 }
 
-// Rows of the states' derivatives that the part has, in the whole scene's.
+// Writes the part's rows of the derivatives at states first, first+1, ... into those of the whole scene.
 void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
-  if (b.d.cols() == rows * cols) {  // all of them
+  if (b.d.cols() == rows * cols) {  // the part is the whole scene
     file.write(first * rows * cols, b.d.size(), b.d.data());
     return;
   }
@@ -205,7 +204,7 @@ int run_batch(const Arguments& arguments) {
 
 int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
-  const auto together = [&communicator](auto&& step) {  // a step that may fail in some processes and not in others
+  const auto together = [&communicator](auto&& step) {  // runs a step that may fail in some of the processes
     std::exception_ptr error;
     try {
       step();
@@ -226,7 +225,7 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  communicator.sum(counts);      // all are done
+  communicator.sum(counts);      // waits for all processes
   if (communicator.rank() == 0)  // solutions last: if they are complete, the derivatives are too
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();

@@ -1,5 +1,5 @@
 #pragma once
-// NumPy's .npy files of float64 numbers: little endian, C order. Read a few rows at a time, and written so.
+// NumPy's .npy files of float64 numbers (little endian, C order), read and written a few rows at a time.
 
 #include <cstdint>
 #include <memory>
@@ -10,20 +10,19 @@
 
 namespace manycontact::cli {
 
-/// The header of a .npy file, version 1.0, for numbers of that shape.
+/// Returns the header of a .npy file, version 1.0, for an array of this shape.
 std::string npy_header(const std::vector<std::int64_t>& shape);
 
-/// An open file.
 class NpyInput {
  public:
-  /// Reads versions 1.0 and 2.0 with two or three dimensions and exactly the length of the header. Throws InputError.
+  /// Opens a file of version 1.0 or 2.0 with two or three dimensions. Throws InputError, also for a wrong size.
   explicit NpyInput(const std::string& path);
   ~NpyInput();
   NpyInput(const NpyInput&) = delete;
   NpyInput& operator=(const NpyInput&) = delete;
 
   const std::vector<std::int64_t>& shape() const { return shape_; }
-  /// `count` numbers from number `first` on, in the file's order. Throws InputError.
+  /// Reads `count` numbers from index `first` on, in the file's order. Throws InputError.
   void read(std::int64_t first, std::int64_t count, double* out) const;
 
  private:
@@ -36,7 +35,7 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// The file of --out, or another one in its folder. Several processes may write it: one creates it, the others open it.
+/// An output file that several processes may write: one creates it, the others join with its temporary name.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
@@ -45,7 +44,7 @@ class NpyOutput {
   void create();
   void join(const std::string& temporary);
   const std::string& temporary() const { return file_->temporary(); }
-  /// `count` numbers from number `first` on.
+  /// Writes `count` numbers from index `first` on.
   void write(std::int64_t first, std::int64_t count, const double* numbers);
   void finish() { file_->finish(); }
   void publish() { file_->publish(); }

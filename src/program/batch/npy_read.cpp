@@ -26,7 +26,7 @@ struct Header {
   std::vector<std::int64_t> shape;
 };
 
-// The same dictionary as JSON: tuples are lists there, no comma is last in them, and strings have double quotes.
+// Converts a Python dictionary to JSON: tuples become lists without a last comma, and strings get double quotes.
 std::string as_json(const std::string& python) {
   std::string out;
   for (const char c : python) {
@@ -55,7 +55,7 @@ bool parse(const std::string& text, Header& out) {
   return true;
 }
 
-// Numbers of that shape, -1 when too many for a file.
+// Returns the number of elements of an array of this shape, or -1 if they are too many for a file.
 std::int64_t numbers_of(const std::vector<std::int64_t>& shape) {
   std::int64_t out = 1;
   for (std::int64_t n : shape)

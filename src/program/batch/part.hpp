@@ -1,12 +1,11 @@
 #pragma once
-// A scene made of some islands of another scene, with the indices of its coordinates, rows and contacts in the whole
-// scene.
+// A scene made of some islands of another scene, with their coordinates' and rows' indices in the whole scene.
 
 #include "manycontact/detail/kkt/island.hpp"
 
 namespace manycontact::cli {
 
-/// `count` neighbours: from `whole` in the whole scene's numbers, from `own` in the part's.
+/// `count` consecutive indices, from `whole` on in the whole scene, and from `own` on in the part.
 struct Segment {
   int whole = 0, own = 0, count = 0;
 };
@@ -18,12 +17,11 @@ struct ScenePart {
   int own_nf = 0;
 };
 
-/// The islands that the scene's active contacts make, without contacts that are not active. `number` of `parts`: their
-/// neighbouring islands, so cut that all have about as many velocities and forces; an island with a contact on another
-/// robot's fixed base goes with that robot's. Some may be empty.
+/// Returns part `number` of `parts`, with active contacts only. Parts are consecutive islands of about equal total
+/// size. An island with a contact on another robot's fixed base goes with that robot's island. A part may be empty.
 ScenePart part_of(const Scene& scene, int number, int parts);
 
-/// Whole rows to the part's and back.
+/// Copy the part's numbers from those of the whole scene (take), and back (put).
 void take(const std::vector<Segment>& segments, const double* whole, double* own);
 void put(const std::vector<Segment>& segments, const double* own, double* whole);
 

@@ -39,7 +39,7 @@ std::vector<std::string> files_written(const std::vector<std::string>& pictures)
   return files;
 }
 
-// The scene's name, with its path where several have that name.
+// Returns the scene's name, with its path if several scenes have this name.
 std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
   const auto namesakes =
       std::ranges::count_if(all, [&](const SceneFile& other) { return other.scene.name == file.scene.name; });

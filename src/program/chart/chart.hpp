@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact chart`: every method, order and regularisation on a scene; what each costs and how far off it is.
+// `manycontact chart`: times and errors of every method, order and regularisation on a scene.
 
 #include <functional>
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace manycontact::cli {
 
-/// Dampings guessed in the scene's stead.
+/// Dampings that are tried instead of the scene's.
 inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
@@ -23,7 +23,7 @@ struct ChartLimits {
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
 /// Significant digits of times and errors. A chart contains rounded numbers: results that differ by rounding errors
-/// alone are equal, and the front is that of the numbers in the CSV.
+/// alone are equal, and the Pareto front is that of the rounded numbers.
 inline constexpr int kDigits = 6;
 double as_written(double x);
 
@@ -37,31 +37,31 @@ struct ChartRow {
 
   Outcome outcome = Outcome::kAnswered;
   Status status = Status::kOk;  // last solve's status; regularised if the damping is guessed and there is a solution
-  std::string answered_by;      // "sparse-ldl leaf-to-root": methods and orders that solved islands, several joined
-  std::string fallback;         // why another method was used, in the first island where one was
+  std::string answered_by;      // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
+  std::string fallback;         // why another method was used, in the first such island
   std::optional<double> time;   // time of a solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
-  bool front = false;  // no other result is at least as fast and as accurate, and better in one (acceleration)
+  bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
   /// "none", or the damping: "1e-6".
   std::string regularisation() const;
 };
 
 struct Chart {
-  std::string scene, title;  // name, with the path where several scenes have it, and what it is: "82 velocities, 48
+  std::string scene, title;  // name, with the path if several scenes share it; "82 velocities, 48
                              // contact rows, 1 island"
   std::string picture;       // file name, without ending
   std::vector<ChartRow> rows;
-  double allowed = 0;  // max(1e-12, 100 eps cond), of values; ten times that of derivatives
+  double allowed = 0;  // allowed error of values: max(1e-12, 100 eps condition); of derivatives: ten times that
   double condition = 0;
-  std::vector<std::string> notes;  // explanations of errors that are not obvious here
+  std::vector<std::string> notes;  // explanations of large or missing errors
 };
 
-/// Runs everything, with a progress line on standard error.
+/// Measures all rows, with a progress line on standard error.
 Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
-// ---- its steps ----------------------------------------------------------------------------------------------------
+// ---- steps of make_chart ------------------------------------------------------------------------------------------
 
 /// A row of the chart, with the scene and data that compute it.
 struct Candidate {
@@ -70,11 +70,11 @@ struct Candidate {
   std::unique_ptr<SceneData> data;
 };
 
-/// Rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
+/// Returns the rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
 std::vector<ChartRow> list_rows(const Scene& scene);
 
-/// Fills times: medians over rounds. In each round every candidate is measured once, so that changes of the machine's
-/// speed affect all of them; slow ones are left out of later rounds.
+/// Fills times: medians over rounds. Each round measures every candidate once, so that changes of the machine's speed
+/// affect all of them; slow ones are left out of later rounds.
 void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
 /// Call it after measure_solve. `first` is called once per candidate while its derivatives are available.
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
@@ -83,11 +83,11 @@ void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& 
 /// If standard error is a terminal, overwrites its current line; "" clears the line.
 void progress(const std::string& text);
 
-// ---- its forms ----------------------------------------------------------------------------------------------------
+// ---- output files -------------------------------------------------------------------------------------------------
 
-/// chart.csv of several charts. Throws InputError when it cannot be written, as write_json.
+/// Writes chart.csv. Throws InputError if it cannot be written, as write_json.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-/// chart.json, for src/program/charts/chart.py: the charts measured of so many scenes.
+/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including those without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -1,4 +1,4 @@
-// Errors against the truth: relative, in the maximum norm, per quantity and robot (design.md, section 4).
+// Errors relative to the quadruple-precision solution, in the maximum norm, per quantity and robot.
 
 #include "manycontact/analysis/errors.hpp"
 
@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// A robot's rows of an island's [a; f]: its accelerations, or the forces of the contacts it is part of.
+// Returns a robot's rows of an island's [a; f]: its accelerations, or the forces of its contacts.
 std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bool forces) {
   std::vector<int> rows;
   if (!forces) {
@@ -28,8 +28,7 @@ std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bo
   return rows;
 }
 
-// The reference for a robot's derivatives if all of them are zero: its accelerations without contacts, and the forces
-// on it.
+// Scales of derivatives that are all zero: a robot's accelerations without contacts, and the forces on it.
 struct Scales {
   std::vector<double> a, f;  // one entry per robot
 };
@@ -39,8 +38,8 @@ Scales scales_of(const Scene& scene, const SceneData& data, const ChartTruth& tr
   return out;
 }
 
-// A block of derivatives that is exactly zero has noise from differences, below 1e-20 of the robot's other derivatives.
-// Its errors are relative to those.
+// Returns the largest error of an island's derivatives. Errors of a block that is exactly zero are relative to the
+// robot's other derivatives, since its finite differences are noise below 1e-20 of those.
 double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const Scales& scales,
                     const Eigen::MatrixXd& answer) {
   double error = 0;
@@ -63,8 +62,7 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of the rows [a; f] and columns [q | v | u] of an island in those of the solution's island. This is the same
-// island, or with dense-schur the whole scene.
+// Indices of an island's rows [a; f] and columns [q | v | u] in the solution's island: itself, or the whole scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

@@ -1,5 +1,3 @@
-// The rows of a chart, their fronts, and the whole chart.
-
 #include <unistd.h>
 
 #include <algorithm>

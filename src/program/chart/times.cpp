@@ -1,5 +1,3 @@
-// Times of the chart's candidates.
-
 #include <algorithm>
 #include <exception>
 #include <numeric>
@@ -17,11 +15,11 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-constexpr double kTurn = 200;        // us of repeats in one turn, at least one call
-constexpr double kNoWarmUp = 300e3;  // us: a call so long is not repeated to warm up
-constexpr double kLarge = 4e6;       // bytes of derivatives not kept between turns
+constexpr double kTurn = 200;        // us of repeated calls of one candidate per round; at least one call
+constexpr double kNoWarmUp = 300e3;  // us: a first call that takes longer is the measurement, without warm-up
+constexpr double kLarge = 4e6;       // bytes: larger derivatives are released between rounds
 
-// Measures one round: a call to warm up, and the median of the calls after it.
+// Measures one round: a call to warm up, then the median of calls.
 template <class Call>
 double take_turn(Call&& call) {
   const double first = time_of(call);
@@ -35,8 +33,8 @@ double take_turn(Call&& call) {
   return median(std::move(times));
 }
 
-// Runs rounds in which each of `n` is measured once, in random order, as long as its share of the time lasts; turn(i)
-// returns a time. A candidate that throws (CHOLMOD out of memory) is left out: it has no time, and the others continue.
+// Runs rounds in which each of `n` candidates is measured once, in random order, within its share of the time; turn(i)
+// returns a time. A candidate that throws (CHOLMOD out of memory) has no time, and the others continue.
 template <class Turn>
 std::vector<std::optional<double>> median_times(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
   std::vector<std::vector<double>> times(n);
@@ -96,7 +94,7 @@ void note_status(const Candidate& c) {
     if (reports[i].status != Status::kFailed) row.fallback = why_changed(chosen_method(*c.data, i), reports[i]);
 }
 
-// Large derivatives of fifty candidates would not fit into memory together.
+// Releases large derivatives, since those of fifty candidates would not fit into memory together.
 void release_large(SceneData& data) {
   double bytes = 0;
   for (const IslandDerivatives& d : derivatives(data).islands) bytes += 8.0 * static_cast<double>(d.X.size());
@@ -136,7 +134,7 @@ void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& 
     if (c.row->outcome == Outcome::kAnswered && rough_time_of_derivatives(c.scene, *c.data) <= 1e6 * limits.longest)
       run.push_back(&c);
     else
-      c.data.reset();  // dense factors of large scenes
+      c.data.reset();  // frees the dense factors of large scenes
   std::vector<char> seen(run.size(), 0);
   const auto turn = [&](std::size_t i) {
     Candidate& c = *run[i];

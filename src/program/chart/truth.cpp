@@ -13,10 +13,10 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kWholeUpTo = 60;    // dof: derivatives along all unit vectors
-constexpr int kDirections = 4;    // else along as many random ones in q, v and u
-constexpr int kDenseSize = 150;   // unknowns: dense truth where refinement has no factor
-constexpr double kAtRest = 1e-4;  // relative to a robot's accelerations without contacts: less counts as none
+constexpr int kWholeUpTo = 60;    // dof: up to this number, derivatives are computed along all unit vectors,
+constexpr int kDirections = 4;    // beyond it along as many random directions in each of q, v and u
+constexpr int kDenseSize = 150;   // largest number of unknowns of the dense solver, used if there is no sparse factor
+constexpr double kAtRest = 1e-4;  // smaller accelerations, relative to those without contacts, count as zero
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   if (whole) return Eigen::MatrixXd::Identity(n, n);
@@ -40,7 +40,7 @@ void choose_directions(const Places& p, std::mt19937& rng, ChartTruth::OfIsland&
   out.derivatives.setConstant(nv + static_cast<int>(p.f.size()), n, std::numeric_limits<Quad>::quiet_NaN());
 }
 
-// The truth at the state moved by h along a direction of q (by = 0), v or u.
+// Returns the reference solution at the state moved by `step` along q (by = 0), v (by = 1) or u (by = 2).
 Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const VecX<Quad>& step) {
   const Scene& scene = file.scene;
   VecX<Quad> q = file.q.cast<Quad>(), v = file.v.cast<Quad>(), u = file.u.cast<Quad>();
@@ -56,7 +56,7 @@ Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const Ve
   return refine_truth<Quad>(scene, data, q, v, u, kDenseSize);
 }
 
-// Central differences; the k-th directions of all islands at once: no island depends on another's.
+// Computes central differences, along the k-th directions of all islands at once, since islands are independent.
 void differences(const SceneFile& file, SceneData& data, const std::vector<Places>& places, ChartTruth& truth) {
   const Quad h = Quad(1) / Quad(10000000000LL);
   int most = 0;

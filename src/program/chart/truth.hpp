@@ -13,11 +13,10 @@ struct ChartTruth {
   Eigen::VectorXd a_free;     // accelerations without contacts
   std::vector<char> at_rest;  // one entry per robot: a nearly vanishes, and errors are relative to a_free
 
-  // Derivatives of [a; f] per island along directions, the columns of `along` (rows [q | v | u] of the island). These
-  // are the unit vectors, or four random ones in each of q, v, u. first[k] is the first direction of q, v, u; the last
-  // entry is one past the end.
+  // Derivatives of [a; f] per island along the columns of `along` (rows [q | v | u]): unit vectors, or four random ones
+  // in each of q, v, u. first[k] is the first direction of q, v, u; the last entry is one past the end.
   struct OfIsland {
-    Island island;  // island of the active contacts
+    Island island;
     Eigen::MatrixXd along;
     MatX<Quad> derivatives;
     int first[4] = {0, 0, 0, 0};
@@ -29,13 +28,13 @@ struct ChartTruth {
   int sampled = 0;  // islands whose derivatives are sampled
 };
 
-/// `data`: solved by sparse-ldl at the scene's state.
+/// Computes the reference. `data` must be solved by sparse-ldl at the scene's state.
 ChartTruth find_truth(const SceneFile& file, SceneData& data);
 
-/// Relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
+/// Return relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
 double acceleration_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 double force_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
-/// Also the worst over the six blocks.
+/// Returns the worst over robots and the six blocks.
 double derivative_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 
 }  // namespace manycontact::cli

@@ -14,15 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether it is there or not, and whichever links lead to it. Another name of the same file (a hard link) is a place of
-// its own: renaming what was written there leaves the other as it is.
+// Returns the absolute path with links resolved, whether the file exists or not. Hard links remain different paths: an
+// output file is renamed to one of them, which leaves the others unchanged.
 fs::path place_of(const std::string& path) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error), place = fs::weakly_canonical(absolute, error);
   return error ? absolute.lexically_normal() : place;
 }
 
-// Devices and pipes accept the output of several writers.
+// Whether both names are one regular file; devices and pipes accept the output of several writers.
 bool one_file(const std::string& a, const std::string& b) {
   return !is_written_straight(a) && b != "-" && place_of(a) == place_of(b);
 }
@@ -37,7 +37,7 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  if (!is_written_straight(path)) OutputFile(path, option);  // a pipe may wait when it is opened, and ends when closed
+  if (!is_written_straight(path)) OutputFile(path, option);  // opening a pipe may block, and closing ends it
 }
 
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {

@@ -1,5 +1,4 @@
 #pragma once
-// A command of the program: its arguments, and the function that runs it.
 
 #include <string_view>
 
@@ -16,7 +15,7 @@ enum Exit {
 
 struct Command {
   std::string name;
-  std::string operands;  // operands other than options, for the usage
+  std::string operands;  // operands, as the usage shows them
   std::string summary;   // one line
   std::vector<Option> options;
   std::string help;    // text that follows the options
@@ -24,10 +23,9 @@ struct Command {
   int (*run)(const Arguments&) = nullptr;
 };
 
-/// A command as commands.txt has it. Without `run` another program executes it, which needs more packages or time to
-/// build.
+/// Reads a command from commands.txt. Without `run`, a separately built program executes it.
 Command command(const std::string& name, int (*run)(const Arguments&) = nullptr);
-/// commands.txt, which is embedded in the program.
+/// Returns commands.txt, which is embedded in the program.
 std::string_view commands_text();
 
 int run_solve(const Arguments& arguments);
@@ -40,37 +38,34 @@ int run_stability(const Arguments& arguments);
 int run_export(const Arguments& arguments);
 int run_optimize(const Arguments& arguments);
 
-/// The one operand, SCENE unless it has another name. Throws UsageError.
+/// Returns the only operand, SCENE unless it has another name. Throws UsageError.
 std::string scene_operand(const Arguments& arguments, const std::string& name = "SCENE");
 
-/// Before hours of work: the file that an option names can be written, or is standard output (-). Throws InputError.
+/// Checks, before hours of work, that an option's file can be written or is standard output (-). Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
-/// UsageError where a file that an option names is one that is read.
+/// Throws UsageError if an option's file is one that is read.
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read);
-/// UsageError where one of the options `written` names a file that is read, or the file, or standard output, of
-/// another one.
+/// Throws UsageError if an option of `written` names a file that is read, or the file or standard output of another.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written);
-/// UsageError where one of the files `names` that an option writes into a folder is one of the others.
+/// Throws UsageError if one of the files `names` that an option writes into a folder is one of the others.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
-/// Makes a folder where there is none. Throws InputError.
+/// Creates a folder unless it exists. Throws InputError.
 void make_folder(const std::string& folder);
-/// Whether one of the options `written` names standard output. Then nothing else is printed there.
+/// Whether one of the options `written` names standard output, where nothing else is printed then.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
-/// The values of --method, --order and --precision. Throws UsageError.
+/// Reads --method, --order and --precision. Throws UsageError.
 Options solver_options(const Arguments& arguments);
-/// The text with {methods}, {orders} and {precisions} replaced by their names.
+/// Returns the text with {methods}, {orders} and {precisions} replaced by their names.
 std::string with_names(std::string text);
 
-/// Finds the command that the first word names, runs it on the others, and turns what went wrong into one line on
-/// standard error and an exit status.
+/// Runs the command named by the first word. Prints an exception as one line on standard error. Returns an exit status.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words);
 
-/// "usage: manycontact solve SCENE [--method M] ...", one line.
+/// Returns "usage: manycontact solve SCENE [--method M] ...", one line.
 std::string usage(const Command& command);
-/// The whole help of a command.
 std::string help(const Command& command);
 
 }  // namespace manycontact::cli

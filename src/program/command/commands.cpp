@@ -1,5 +1,3 @@
-// Reads commands.txt.
-
 #include <sstream>
 
 #include "command.hpp"
@@ -8,7 +6,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// "--out FILE (required): where it goes"
+// Parses a line such as "--out FILE (required): where it goes".
 Option option_of(const std::string& line) {
   const std::string required = " (required)";
   const std::size_t colon = line.find(": ");

@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C and `kill`: results so far are kept where a command specifies it, and no temporary file remains.
+// Ctrl-C and `kill`: commands that support it keep their results so far, and no temporary file remains.
 
 #include <string>
 
@@ -18,7 +18,7 @@ class InterruptFlag {
   bool is_set() const;
 };
 
-/// While it lives, a signal that ends the program removes the file of that name.
+/// During its lifetime, a signal that ends the program removes the file `path`.
 class RemovedBySignals {
  public:
   explicit RemovedBySignals(const std::string& path);

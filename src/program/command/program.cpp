@@ -1,5 +1,3 @@
-// A program of several commands.
-
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -75,7 +73,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Opens those that are closed: a file opened later does not become standard error. Writing there fails as before.
+// Opens closed standard descriptors, so that no file opened later becomes standard error. Writing to them still fails.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);
@@ -88,7 +86,7 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows too large is an error of the write that does it
+  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit of a file's size is then an error of the write
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;

@@ -1,5 +1,4 @@
 #pragma once
-// A line on standard error that shows the progress of a long run.
 
 #include <chrono>
 #include <string>
@@ -8,17 +7,15 @@ namespace manycontact::cli {
 
 class Progress {
  public:
-  /// Silent unless standard error is a terminal, or `always`.
+  /// Shows progress on a line of standard error, if this is a terminal or `always`.
   Progress(std::string label, double total, bool always = false);
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total`; draws at most four times a second, and not in the first quarter.
+  /// Shows `done` of `total`; draws at most four times a second, and not in the first quarter of a second.
   void update(double done);
-  /// Updates the progress under a new label.
   void update(double done, const std::string& label);
-  /// Takes the line away.
   void clear();
 
  private:

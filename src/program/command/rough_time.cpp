@@ -6,13 +6,13 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kFlop = 9e-5;        // us: a multiply-add of Eigen's products and LLT
-constexpr double kSlowFlop = 2.2e-4;  // us: of a rank-revealing decomposition, which goes column by column
-constexpr double kCall = 5;           // us: an island's own
+constexpr double kFlop = 9e-5;        // us per multiply-add of Eigen's products and LLT
+constexpr double kSlowFlop = 2.2e-4;  // us per multiply-add of a rank-revealing decomposition, column by column
+constexpr double kCall = 5;           // us per island
 
 double cube(double x) { return x * x * x; }
 
-// Complete orthogonal decomposition of J^T, products with the null space.
+// Predicts the complete orthogonal decomposition of J^T, and products with the null space [us].
 double dense(const Island& island) {
   const double n = island.nv, m = island.nc;
   return kCall + kSlowFlop * (4 * n * n * m + 2 * cube(n));

@@ -1,7 +1,6 @@
 #pragma once
-// Times of calls; and how long the dense methods take, to a factor of about three on machines of today: to leave out
-// what would take too long, and for nothing else. The sparse methods never do. Predicted costs (kkt/choose.hpp) are
-// relative; these are us.
+// Measured times of calls, and predicted times of dense methods, to a factor of about three on current machines, used
+// only to skip calls that would take too long. These are us; predicted costs (kkt/choose.hpp) are relative.
 
 #include <chrono>
 
@@ -9,7 +8,7 @@
 
 namespace manycontact::cli {
 
-/// The time of a call, us.
+/// Returns the time of a call [us].
 template <class Call>
 double time_of(Call&& call) {
   const auto start = std::chrono::steady_clock::now();
@@ -18,10 +17,10 @@ double time_of(Call&& call) {
 }
 double median(std::vector<double> times);
 
-/// One solve of the scene's islands by `dense`, whatever the method of `data`.
+/// Predicts the time of a solve of the scene's islands by `dense`, whatever the method of `data`.
 double rough_time_of_dense(const Scene& scene, const SceneData& data);
 
-/// One solve by the method of `data`, and its derivatives after it; 0 for the sparse ones.
+/// Predict the time of a solve by the method of `data`, and of derivatives after it; 0 for sparse methods.
 double rough_time_of_solve(const Scene& scene, const SceneData& data);
 double rough_time_of_derivatives(const Scene& scene, const SceneData& data);
 

@@ -54,13 +54,13 @@ void write_names(const Scene& scene, const SceneData& data, const Island& island
   file.close();
 }
 
-// The lines above the numbers of a file. page: the island's members in export.json.
+// Returns the comment lines at the top of a file. page: the island's members in export.json.
 std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const Json& page) {
   return {what + " of " + printable(plan.scene) + ", " + page["name"].get<std::string>(),
           "nv " + page["nv"].dump() + ", nc " + page["nc"].dump() + ", rank of J " + page["rank"].dump()};
 }
 
-// Solutions of the island's systems into their files.
+// Writes the exact solutions of an island's systems.
 void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, Json& page) {
   const auto write = [&](const std::string& kind, const std::string& what, const ExactSolution& x) {
     if (x.x.cols() > 0) write_dense(plan.path(page["name"].get<std::string>() + kind), x.x, header(plan, what, page));
@@ -74,7 +74,7 @@ void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const Ex
     page["derivative_digits"] = write("_dx.mtx", "dx = [da; -df]", solve_exactly(s, s.db));
 }
 
-// The island's files. Returns its members in export.json.
+// Writes an island's files. Returns its members in export.json.
 Json write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data, const Truth<Quad>& truth,
                   std::size_t i) {
   const ExportedSystem s = system_of(file.scene, data, i, plan.derivatives);
@@ -105,7 +105,7 @@ std::string command_of(const ExportPlan& plan) {
          (plan.derivatives ? " --derivatives" : "");
 }
 
-// The list of the systems, and the page about it.
+// Writes the list of the systems, and a page about it.
 void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islands) {
   write_json_file({{"scene", file.scene.name},
                    {"file", file.path},

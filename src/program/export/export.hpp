@@ -1,6 +1,5 @@
 #pragma once
-// `manycontact export`: the systems K x = b of a scene's islands as Matrix Market files, with solutions in quadruple
-// precision.
+// `manycontact export`: the systems K x = b of a scene's islands, and exact solutions, as Matrix Market files.
 
 #include <Eigen/SparseCore>
 #include <filesystem>
@@ -24,20 +23,18 @@ struct ExportedSystem {
   int size() const { return island.size(); }
 };
 
-/// The options by which a scene is solved for an export: every contact keeps its own rows, and every robot its own
-/// intermediate results.
+/// Returns the options for an export's solve: every contact keeps its own rows, and every robot its own results.
 Options export_options();
 
-/// The system of an island at the last solve by export_options, after `complete`. With derivatives: after
-/// differentiate, whose solution `dx` defines them as db = K dx; entries below the rounding errors of that product are
-/// zero. db is empty if the derivatives are not numbers.
+/// Returns the system of an island after a solve with export_options and `complete`. With derivatives, also after
+/// differentiate, whose solution `dx` defines db = K dx; entries below the rounding errors of that product are zero. db
+/// is empty if the derivatives are not finite.
 ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool derivatives);
 
-/// Solutions, in quadruple precision.
 struct ExactSolution {
   MatX<Quad> x;       // empty if it is not known
   double digits = 0;  // correct digits of the worst column, relative to the largest entry of its a and of its f;
-                      // far fewer than 32 where a all but vanishes
+                      // far fewer than 32 if a nearly vanishes
 };
 
 /// Solves K x = b for the numbers of K and b exactly as they are in double precision: refinement with residuals in
@@ -45,14 +42,14 @@ struct ExactSolution {
 ExactSolution solve_exactly(const ExportedSystem& system, const Eigen::MatrixXd& b);
 inline constexpr int kDenseUnknowns = 400;
 
-/// The solution of the scene itself in quadruple precision, with forces of least norm where rows are dependent.
+/// Returns the scene's own solution in quadruple precision, with forces of least norm where rows are dependent.
 Truth<Quad> solve_scene(const SceneFile& file, SceneData& data);
-/// [a; -f] of an island of it. Empty if rows are dependent and the island is larger than kDenseUnknowns.
+/// Returns [a; -f] of one island of that solution, empty if rows are dependent and it is larger than kDenseUnknowns.
 ExactSolution of_island(const Truth<Quad>& truth, const Scene& scene, const SceneData& data, const Island& island,
                         std::size_t i);
 
-/// Matrix Market files; of a symmetric matrix the lower triangle. `comments` are lines of the header. Throw InputError
-/// if a file cannot be written.
+/// Write Matrix Market files; of a symmetric matrix the lower triangle. `comments`: lines of the header. Throw
+/// InputError if a file cannot be written.
 void write_sparse(const std::string& path, const Eigen::SparseMatrix<double>& A, bool symmetric,
                   const std::vector<std::string>& comments);
 template <class S>

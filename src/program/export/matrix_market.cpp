@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kQuadDigits = 33;  // digits that follow the first: they restore a number of quadruple precision
+constexpr int kQuadDigits = 33;  // digits after the first; they restore a number of quadruple precision
 
 std::string text_of(double x) {
   char text[32];

@@ -1,5 +1,3 @@
-// K, b and the right-hand sides of derivatives of one island, from the intermediate results of a solve.
-
 #include "export.hpp"
 #include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/dynamics/differentiate.hpp"
@@ -24,7 +22,7 @@ void add_inertia(const Scene& scene, const SceneData& data, int robot, int offse
   add_block(M, offset, offset, out);
 }
 
-// J and its transpose: columns of A's coordinates, then of B's.
+// Adds J and its transpose: columns of A's coordinates, then of B's.
 void add_rows(const Scene& scene, const SceneData& data, const Island& island, int contact, int row, Triplets& out) {
   const Contact& c = scene.contacts[contact];
   const MatX<double>& J = contact_data(data, contact).J;
@@ -66,7 +64,7 @@ Eigen::VectorXd right_hand_side(const Scene& scene, const SceneData& data, const
   return b;
 }
 
-// K dx, without what is rounding error of its terms |K| |dx|.
+// Returns K dx, with zeros for entries that are rounding errors of the terms |K| |dx|.
 Eigen::MatrixXd product(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& dx) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   const Eigen::SparseMatrix<long double> K_long = K.cast<long double>();

@@ -1,5 +1,3 @@
-// Solutions in quadruple precision.
-
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
@@ -11,7 +9,7 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kMostSteps = 40;        // refinement steps: each one gains digits as long as eps |K| |K^-1| is below 1
-constexpr double kConverged = 1e-20;  // relative size of the last correction, above which the solution is not accepted
+constexpr double kConverged = 1e-20;  // an accepted solution has a relative last correction below this
 constexpr double kMostDigits = 32;    // the 34 digits of quadruple precision, less what a residual of many terms loses
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
@@ -29,8 +27,8 @@ double largest(const auto& x) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : part > 0 ? INFINITY : 0; }
 
-// The size of the correction dx: relative to x as a whole, which shows convergence, and to the largest acceleration and
-// the largest force, which may be far smaller than x.
+// Return the size of the correction dx, relative to x as a whole, which shows convergence, and to the largest
+// acceleration and the largest force, which may be far smaller than x.
 double relative_size(const Eigen::VectorXd& dx, const VecX<Quad>& x) { return ratio(largest(dx), largest(x)); }
 double relative_size_of_parts(const Eigen::VectorXd& dx, const VecX<Quad>& x, int nv) {
   return std::max(ratio(largest(dx.head(nv)), largest(x.head(nv))),
@@ -41,8 +39,7 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// x <- x + (LU)^-1 (b - K x), the residual in quadruple precision, until corrections no longer shrink. Returns the
-// sizes of the smallest one.
+// Repeats x <- x + (LU)^-1 (b - K x), residuals in quadruple precision, while corrections shrink; returns the smallest.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());
@@ -67,7 +64,7 @@ MatX<Quad> join(MatX<Quad> a, MatX<Quad> f) {
   return x;
 }
 
-// Solves with the dense reference solver. The change that one more refinement would make is the error.
+// Solves with the dense reference solver. Its error is the change that one more refinement would make.
 ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
   const int nv = s.island.nv, nc = s.island.nc;
   const MatX<Quad> K = Eigen::MatrixXd(s.K).cast<Quad>();

@@ -5,20 +5,20 @@
 
 namespace manycontact::cli {
 
-/// The file of an option, written row by row, "-" is standard output. Throws InputError when it cannot be.
+/// The CSV file of an option, written row by row; "-" is standard output. Throws InputError if it cannot be written.
 class CsvFile {
  public:
   explicit CsvFile(const std::string& path, const std::string& option = "--out");
-  CsvFile& operator<<(double x);              // shortest that reads back to the same bits
-  CsvFile& operator<<(const std::string& x);  // quoted where it must be, as RFC 4180 has it
+  CsvFile& operator<<(double x);              // the shortest text that restores the same bits
+  CsvFile& operator<<(const std::string& x);  // quoted if RFC 4180 requires it
   void end_row();
-  void header(std::initializer_list<const char*> names);  // a whole row
-  void close();  // it is whole: it has its name
+  void header(std::initializer_list<const char*> names);
+  void close();  // gives the complete file its final name
 
  private:
   OutputFile file_;
   std::string row_;
-  bool first_ = true;  // cell of the row
+  bool first_ = true;  // whether the next cell is the first of its row
   void next_cell();
 };
 

@@ -11,19 +11,19 @@ namespace manycontact::cli {
 /// but without line breaks. Blanks around numbers, empty lines and a byte order mark are ignored.
 class CsvReader {
  public:
-  /// Reads the header. Throws InputError: the file cannot be read or is none in UTF-8, a name occurs twice in it, a
-  /// quote stays open, there is no column t.
+  /// Reads the header. Throws InputError if the file cannot be read or is not UTF-8, a name occurs twice, a quote is
+  /// not closed, or there is no column t.
   explicit CsvReader(const std::string& path);
 
-  /// The next row; false at the end. Throws InputError: another number of cells, a time that does not grow.
+  /// Reads the next row; false at the end. Throws InputError for a wrong number of cells, or if t does not increase.
   bool next();
   double t() const { return t_; }  // time of the row; -infinity before the first [s]
-  /// A cell of the row. Throws InputError where it is no finite number.
+  /// Returns a cell of the row. Throws InputError if it is not a finite number.
   double number(std::size_t column) const;
 
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return column_.contains(name); }
-  /// The column of that name; throws InputError where there is none.
+  /// Returns the column of that name; throws InputError if there is none.
   std::size_t column(const std::string& name) const;
   /// Throws InputError for the line that was read last.
   [[noreturn]] void fail(const std::string& message) const;

@@ -1,5 +1,4 @@
 #pragma once
-// JSON documents of the commands.
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -10,12 +9,12 @@ namespace manycontact::cli {
 
 using Json = nlohmann::ordered_json;
 
-/// Numbers that are not finite become null when written.
+/// Convert to lists. Numbers that are not finite become null when written.
 Json json_of(const Eigen::VectorXd& x);
 Json json_of(const std::vector<Eigen::VectorXd>& list);
 
 /// Writes to the file of an option; "-" is standard output. Each member has a line, so that long lists remain readable.
-/// Doubles have the fewest digits that restore the same bits. Throws InputError when it cannot be written.
+/// Doubles have the fewest digits that restore the same bits. Throws InputError if the file cannot be written.
 void write_json_file(const Json& json, const std::string& path, const std::string& option = "--json");
 
 }  // namespace manycontact::cli

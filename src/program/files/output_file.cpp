@@ -29,9 +29,9 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  stream_.exceptions(std::ios::badbit);  // the stream lets out what write() throws
+  stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
   if (is_standard_output(path_)) {
-    std::cout.flush();  // earlier output
+    std::cout.flush();  // earlier output comes first
     file_ = dup(STDOUT_FILENO);
   } else if (is_written_straight(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -53,8 +53,7 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the file that a link leads to, with that file's mode, or the mode of a new
-// file.
+// Opens a temporary file in the folder of the target (links are followed), with the mode of the old file, if any.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);
@@ -62,7 +61,7 @@ void OutputFile::begin() {
   struct stat old {};
   const bool replaces = stat(target_.c_str(), &old) == 0;
   if (!replaces && errno != ENOENT) return;
-  if (replaces && access(target_.c_str(), W_OK) != 0) return;  // rename would replace what is read-only, too
+  if (replaces && access(target_.c_str(), W_OK) != 0) return;  // rename would replace a read-only file, too
   constexpr std::string_view kEnd = ".part";
   std::string name = (fs::path(target_).parent_path() / "manycontact-XXXXXX").string().append(kEnd);
   file_ = mkostemps(name.data(), static_cast<int>(kEnd.size()), O_CLOEXEC);

@@ -1,5 +1,4 @@
 #pragma once
-// Files that have their names when they are whole.
 
 #include <cstdint>
 #include <memory>
@@ -11,9 +10,9 @@
 
 namespace manycontact::cli {
 
-/// "-", /dev/stdout and the other names of descriptor 1.
+/// Whether a path is "-", /dev/stdout or another name of descriptor 1.
 bool is_standard_output(const std::string& path);
-/// Standard output, and what is there and is no regular file: a device, a pipe, a folder (which then cannot be opened).
+/// Whether a path is written in place: standard output, a device, a pipe, or a folder (which then cannot be opened).
 bool is_written_straight(const std::string& path);
 
 /// The file of an option. It is written under a temporary name in the same folder, and renamed when it is complete. An
@@ -33,7 +32,7 @@ class OutputFile : private std::streambuf {
   /// The temporary name, used until the file is published. Empty if the file is written directly.
   const std::string& temporary() const { return temporary_; }
 
-  /// Written one after the other, or at a place of its own. Errors come out of the stream's operators, too.
+  /// Append bytes (stream, write), or write them at a given position (write_at). Operators of the stream throw, too.
   std::ostream& stream() { return stream_; }
   void write(const char* bytes, std::size_t size);
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
@@ -41,7 +40,7 @@ class OutputFile : private std::streambuf {
 
   /// Flushes everything that this process wrote to the file system.
   void finish();
-  /// Renames the file to its final name once all processes have finished. The process that created it does so.
+  /// Renames the file to its final name once all processes have finished. Only the process that created it calls this.
   void publish();
   void close() { finish(), publish(); }
 

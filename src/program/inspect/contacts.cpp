@@ -1,5 +1,3 @@
-// The motion that every contact constrains, and the distance of the scene's state from it.
-
 #include <algorithm>
 
 #include "../text/table.hpp"
@@ -17,19 +15,19 @@ constexpr std::size_t kMostElements = 24;
 
 std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
 
-// The friction of a contact that can only press. Missing values are those of model/scene.hpp.
+// Returns the normal of a contact with friction. Defaults are those of model/scene.hpp.
 std::string normal_of(const Contact& contact) {
   if (contact.normal) return three_numbers(*contact.normal);
   if (!contact.mu) return "";
   return contact.type == ContactType::k6D ? "A's z" : "world z";
 }
 
-// The position and velocity errors of the contacts of copies.
+// The largest position and velocity errors of a contact and its copies.
 struct Off {
   double position = 0, angle = 0, linear = 0, angular = 0;
 };
 
-// "0.1 m, 0.02 rad, 0.5 m/s", "0" in place and at rest.
+// Returns "0.1 m, 0.02 rad, 0.5 m/s", or "0" if the contacts are in place and at rest.
 std::string off_by(const Off& off) {
   std::string text;
   const auto add = [&text](double size, double least, const char* unit) {

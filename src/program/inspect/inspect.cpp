@@ -47,7 +47,6 @@ double heap() {
 
 std::string rank_text(const IslandRanks& ranks) { return ranks.known ? std::to_string(ranks.rank) : "?"; }
 
-// Names of the contacts of a scene that are switched off.
 std::vector<std::string> inactive(const Inspection& x) {
   std::vector<std::string> names;
   for (std::size_t c = 0; c < x.data.f_offset.size(); ++c)
@@ -68,7 +67,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::ranges::min_element(costs.ldl), *std::ranges::min_element(costs.cholmod)});
   const auto relative = [least](double cost) { return number(cost / least); };
-  if (is_deep(shape)) {  // K's patterns are not made
+  if (is_deep(shape)) {  // patterns of K are not computed
     wrap(out,
          "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
              number(costs.bodies / (costs.terms + least)),

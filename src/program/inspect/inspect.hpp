@@ -10,24 +10,24 @@ namespace manycontact::cli {
 
 struct Inspection {
   const SceneFile& file;
-  SceneData data;  // solved by `auto` at the scene's state
+  SceneData data;  // solved with method `auto` at the scene's state
   std::vector<IslandKind> kinds;
   double bytes = 0;  // heap memory of `data` after the solve; 0: unknown
 
   /// Index of the first island of a kind. Its name, shape and ranks represent all islands of the kind.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
   const Island& island(const IslandKind& kind) const { return solved_island(data, first(kind)); }
-  /// The pattern, analysed in the order that the solve chose.
+  /// Returns the pattern, analysed in the order that the solve chose.
   const KktPattern& pattern(std::size_t island) const;
   std::string name(const IslandKind& kind) const;
 };
 
-/// Limits and efforts as the robots' files have them, robots of one model once.
+/// Prints limits and efforts as the robots' files contain them, once per model.
 void print_joints(std::ostream& out, const SceneFile& file);
 /// Prints the constraint of each contact, its gains and mu, and the errors of its frames; copies once.
 void print_contacts(std::ostream& out, const SceneFile& file);
 
-/// The patterns of K and L as an SVG file, "-" is standard output. Throws as OutputFile and run_python do.
+/// Writes the patterns of K and L as an SVG file; "-" is standard output. Throws as OutputFile and run_python do.
 void write_picture(const Inspection& inspection, const Python& python, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -15,7 +15,7 @@ const char* type_name(const Joint& joint) {
   return kNames[static_cast<int>(joint.type)];
 }
 
-// Empty where the file gives none.
+// Returns a limit as text, empty if the file has none.
 std::string bound(const Eigen::VectorXd& limits, int k) {
   return limits.size() > k && std::isfinite(limits[k]) ? number(limits[k], 4) : "";
 }

@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Columns of entries in the order of elimination; K has its upper triangle, L no diagonal.
+// Returns the entries by columns, in the order of elimination: the upper triangle of K, and L without its diagonal.
 Json pattern_of(const KktPattern& p) {
   return {{"nv", p.nv},
           {"perm", p.perm},
@@ -21,7 +21,7 @@ Json pattern_of(const KktPattern& p) {
           {"L", {{"begin", p.ldl.Lp}, {"rows", p.ldl.Li}}}};
 }
 
-// Rows of an island's K in the scene: the robots' velocities, then the active contacts' rows.
+// Returns the scene's indices of the rows of an island's K: the robots' velocities, then the active contacts' rows.
 std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const Island& island) {
   Places places(scene, data.f_offset, island);
   for (const int f : places.f) places.v.push_back(scene.nv + f);
@@ -54,7 +54,7 @@ Json robots(const Inspection& x) {
   return out;
 }
 
-// Name, first row and size of the active contacts of each element.
+// Returns name, first row and size of the active contacts of each element.
 Json contacts(const Inspection& x) {
   Json out = Json::array();
   for (const ContactGroup& group : x.file.contact_groups) {

@@ -1,6 +1,5 @@
 #pragma once
-// Torques on the joints during a simulation: those of the scene, torques over time from a file, and a PD law towards a
-// reference over time.
+// Joint torques during a simulation: the scene's, or over time from a file, and a PD law towards a reference over time.
 
 #include <optional>
 
@@ -12,18 +11,16 @@ namespace manycontact::cli {
 /// Numbers over time from a CSV file: a column t, ascending, and columns called `prefix` + a coordinate's name.
 class TimeTable {
  public:
-  /// Ignores columns with another prefix. The names of columns with this prefix must be among `names`. Throws
-  /// InputError.
+  /// Ignores columns with other prefixes. Throws InputError, also if a column with this prefix is not among `names`.
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Overwrites the coordinates that have a column with their values at t. These are those of the last row that is not
-  /// later, and nothing before the first row. With `between` they are interpolated between two rows, and those of the
-  /// first row before it.
+  /// Sets the coordinates that have a column to their values at t: those of the last row that is not later, and none
+  /// before the first row. With `between`, values are interpolated between rows, and constant before the first one.
   void at(double t, bool between, Eigen::VectorXd& x) const;
-  /// The slopes of these lines at t, 0 before the first row and from the last on; in the order of the columns.
+  /// Computes the slopes of the interpolation at t, by column: 0 before the first row and from the last on.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;
-  /// The coordinates that have a column, in their order.
+  /// The coordinates that have a column, in the order of the columns.
   const std::vector<int>& columns() const { return columns_; }
 
  private:
@@ -31,22 +28,21 @@ class TimeTable {
   std::vector<double> t_, values_;
 };
 
-/// u(t) = torques(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which a step takes (simulation/step.hpp).
+/// u(t) = torques(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
 class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Columns "u:r0/knee", constant until the next row. Joints without a column have the scene's torque, and so have all
-  /// joints before the first row.
+  /// Reads columns "u:r0/knee", constant until the next row. The scene's torques are used before, and without a column.
   void read_torques(const std::string& path);
-  /// A PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the velocity
-  /// is the slope of q:; without both, the reference is the scene's q at rest. `gains` is "kp kd; r0/knee kp kd; ...",
-  /// the first pair for all joints that are not named. Throws UsageError, and InputError if an actuated joint has
-  /// several coordinates.
+  /// Sets a PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the
+  /// velocity is the slope of q:; without both, the reference is the scene's q at rest. `gains` is "kp kd; r0/knee kp
+  /// kd; ...", the first pair for joints not named. Throws UsageError; InputError for an actuated joint of several
+  /// coordinates.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
-  /// Towards the reference at t.
+  /// Sets the PD law's reference to that at t.
   void set_pd(double t, PdLaws& pd);
   /// Returns torques_at plus the torque of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);

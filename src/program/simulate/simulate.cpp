@@ -38,7 +38,7 @@ struct Run {
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
   SpringStep shortest;  // the shortest step limit of springs at the start
-  Findings at_start;    // also nearly dependent rows of later contacts, and joints without inertia that ended it
+  Findings at_start;    // also nearly dependent rows of later contacts, and joints without inertia that ended the run
   std::optional<Recording> view;
 };
 
@@ -76,21 +76,21 @@ struct Around {
   std::optional<TimeTable> wrenches_in_time;
   Eigen::VectorXd wrenches;  // all external wrenches, one after the other
 
-  /// The wrenches at t, where a file has them, into the data of the next step.
+  /// Sets the wrenches of the next step to those at t, if a file has them.
   void push(double t, SimulationData& sim) {
     if (!wrenches_in_time) return;
     wrenches_in_time->at(t, false, wrenches);
     for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)
       sim.dynamics.wrenches[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
   }
-  /// These, and the PD law's reference at the end of the step from t, or in its middle, as the integrator takes it.
+  /// Also sets the PD law's reference: that at the end of the step from t, or in its middle for RK4.
   void act(double t, SimulationData& sim) {
     push(t, sim);
     control.set_pd(sim.integrator == Integrator::kRk4 ? t + sim.h / 2 : t + sim.h, sim.pd);
   }
 };
 
-// The mean torques of motors and PD laws in the last step.
+// Adds the mean torques of the PD laws in the last step to the torques u of the motors.
 Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::VectorXd u) {
   if (sim.pd.kp.size() == 0) return u;
   for (const Robot& robot : scene.robots)
@@ -99,7 +99,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   return u;
 }
 
-// The forces at the last state, by a step that is taken back.
+// Writes the forces at the last state, computed by a step that is undone.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
   const Eigen::VectorXd q = sim.q, v = sim.v;
   const long steps = sim.steps;
@@ -111,7 +111,7 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
 
-// Steps and writes until the end, or until a step is not kOk.
+// Makes steps and writes rows until the end, or until a step is not kOk.
 void simulate(Scene& scene, Around& around, bool progress_always, SimulationData& sim, CsvFile& csv, Run& run) {
   InvariantsData room(scene);
   const auto record = [&] {
@@ -225,7 +225,7 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
          " s, for the initial inertia";
 }
 
-// "g closes 0.4 m away from its place", for the contact that is farthest.
+// Describes the contact that is farthest: "g closes 0.4 m away from its place".
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
   const PlacementError& worst = *std::ranges::max_element(blow.away, {}, size);
@@ -246,7 +246,7 @@ void print_impacts(std::ostream& out, const Scene& scene, const Around& around) 
   }
 }
 
-// Empty where every switch was done.
+// Returns nothing if every switch was done.
 std::string switches_not_reached(const Around& around, const SimulationData& sim) {
   const std::string list = around.switches ? around.switches->not_reached() : "";
   return list.empty() ? "" : "not switched, for the run ended at t = " + number(sim.time(), 6) + " s: " + list;
@@ -307,7 +307,7 @@ Json document(const SceneFile& file, const SimulationData& sim, const Around& ar
   return json;
 }
 
-// Torques over time or a PD law, switches, and the file for forces.
+// Reads the options for torques, PD laws, wrenches over time and switches, and the file for forces.
 Around around_of(const Arguments& arguments, const SceneFile& file) {
   Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr, std::nullopt, {}};
   if (const auto wrenches = arguments.value("--wrenches")) {

@@ -9,10 +9,9 @@
 
 namespace manycontact::cli {
 
-/// The same gains for every contact.
 void set_gains(Scene& scene, const Gains& gains);
 
-/// "25 10" or "25,10". Throws UsageError, "expected 'alpha beta'" + otherwise.
+/// Parses "25 10" or "25,10". Throws UsageError, "expected 'alpha beta'" + otherwise.
 Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
                   const std::string& otherwise = "");
 
@@ -21,8 +20,8 @@ void write_trajectory_header(const Scene& scene, CsvFile& csv);
 void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Invariants& at,
                           CsvFile& csv);
 
-/// t and the forces of all contacts in their reference frames, "f:left[0]", 0 where not active: those at the state that
-/// sim's last step started from.
+/// Writes t and the forces of all contacts in their reference frames, "f:left[0]", 0 for inactive contacts. The forces
+/// are those at the state that sim's last step started from.
 void write_forces_header(const Scene& scene, CsvFile& csv);
 void write_forces_row(double t, const Scene& scene, const SimulationData& sim, CsvFile& csv);
 

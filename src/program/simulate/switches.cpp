@@ -86,7 +86,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[c] = event.what != Event::kOff;
       on[c] = event.what == Event::kOn;
-      sim.dynamics.active[c] = false;  // so that one that is on closes again
+      sim.dynamics.active[c] = false;  // so that an active contact closes again
       if (event.what == Event::kHere) resolve_reference(scene, sim.q, true, true, scene.contacts[c]);
     }
   }
@@ -95,7 +95,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    if (active[event->first])  // not off at once
+    if (active[event->first])  // not switched off again at the same time
       closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;

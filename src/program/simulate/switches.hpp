@@ -1,5 +1,5 @@
 #pragma once
-// Contacts that come and go at given times: the option --switch.
+// Contacts that are switched on and off at given times: the option --switch.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -20,7 +20,7 @@ class Switches {
     enum What { kOff, kOn, kHere } what = kOff;
   };
 
-  /// The effect on the motion of contacts that closed.
+  /// An impact of contacts that closed, and the change of motion.
   struct ImpactEvent {
     double t = 0;
     std::string contacts;
@@ -29,10 +29,10 @@ class Switches {
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 
-  /// "5 left off, 7 right on": the switches not done yet, as the option has them; empty where all are.
+  /// Lists the switches not done yet in the option's syntax, "5 left off, 7 right on"; empty if all are done.
   std::string not_reached() const;
 
-  /// Does what is due at the state's time, `tolerance` early at most. False when an impact could not be solved.
+  /// Does the switches due at the state's time, at most `tolerance` early. Returns false if an impact is not solved.
   [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);
 
  private:

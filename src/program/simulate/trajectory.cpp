@@ -1,5 +1,3 @@
-// The files of a motion: a row per state that is written.
-
 #include "manycontact/analysis/names.hpp"
 #include "simulate.hpp"
 

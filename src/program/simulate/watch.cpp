@@ -15,10 +15,10 @@ namespace manycontact::cli {
 namespace {
 
 constexpr std::size_t kMostShown = 8;
-constexpr double kSingular = 1e4;  // a condition that has grown by this
-constexpr double kPassed = 1e-2;   // relative to the largest sigma of the contacts: below it the motion passed a
-                                   // singular configuration
-constexpr double kGained = 0.01;   // energy that nothing gave or took, of the largest kinetic energy
+constexpr double kSingular = 1e4;  // growth of the condition number that indicates a singular configuration
+constexpr double kPassed = 1e-2;   // the motion passed a singular configuration if the least singular value of the
+                                   // contacts is below this share of the largest
+constexpr double kGained = 0.01;   // unexplained change of energy, relative to the largest kinetic energy
 
 double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {
   double power = 0;
@@ -31,7 +31,7 @@ double size_of(const Violation& x) { return x.by; }
 double size_of(const LimitPassed& x) { return std::abs(x.value - x.limit); }
 double size_of(const TurningRows& x) { return x.rate; }
 
-// Who or what a finding is about, with one number for copies where `group` has it.
+// Returns the subject of a finding; copies share one number if `group` is not empty.
 std::vector<int> key_of(const Violation& x, const std::vector<int>& group) {
   return {group.empty() ? x.contact : group[x.contact], static_cast<int>(x.kind)};
 }
@@ -45,7 +45,7 @@ std::vector<int> key_of(const TurningRows& x, const std::vector<int>& group) {
 int member_of(const LimitPassed& x) { return x.robot; }
 int member_of(const auto& x) { return x.contact; }
 
-// Adds what a step starting at t found.
+// Adds the findings of a step that started at t.
 template <class Found, class Seen>
 void take(const std::vector<Found>& found, double t, std::map<std::vector<int>, Seen>& seen) {
   for (const Found& x : found) {
@@ -62,7 +62,7 @@ std::vector<const Seen*> by_time(const std::map<std::vector<int>, Seen>& seen) {
   return out;
 }
 
-// A line for the copies of a group: since when, who, and the worst of them. names: of several members.
+// Prints a line per group of copies: first time, members, and the worst of them. names: names several members.
 template <class Seen, class Names>
 void print_copies(std::ostream& out, const Scene& scene, const std::map<std::vector<int>, Seen>& seen,
                   const std::string& most, const std::vector<int>& group, Names&& names) {

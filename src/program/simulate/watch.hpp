@@ -17,20 +17,20 @@ class Watch {
   Watch(const Scene& scene, const Options& options);
   ~Watch();
   Watch(Watch&&) noexcept;
-  /// After a step from q, v with torques u, which started at t and ended in the state of `sim`.
+  /// Checks a step from q, v with torques u that started at t and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
-  /// Whether the state of `sim` is the first one with its contacts. Once true, for each set of contacts.
+  /// Whether the active contacts of `sim` are a new set. True once for each set.
   bool is_new(const SimulationData& sim) { return judged_.insert(sim.dynamics.active).second; }
   /// Adds the nearly dependent rows at the state of `sim`, with torques u.
   void judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to);
-  /// "nearly dependent rows: loop[2]", those that judge_rows has found; empty if there are none.
+  /// The rows that judge_rows has found, "nearly dependent rows: loop[2]"; empty if there are none.
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // `energy` dissipated by an impact
 
-  double work() const { return work_; }                 // J, of the torques, less what impacts took
+  double work() const { return work_; }                 // J: work of the torques, less the energy dissipated by impacts
   double work_of_wrenches() const { return push_work_; }  // J
-  /// Copies of a robot or a contact share a line.
+  /// Prints the findings; copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
   /// Adds violations, limits_passed and turning_rows, each with first_time [s]; work [J]; largest_condition and the
@@ -53,15 +53,15 @@ class Watch {
 
   // The power of external wrenches and dampers [W]; `wrenches` as in `sim`.
   struct Applied;
-  std::unique_ptr<Applied> applied_;  // nullptr: the scene has none
+  std::unique_ptr<Applied> applied_;  // nullptr: the scene has no such forces
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
-  double least_share_ = 1, share_time_ = 0;  // the least sigma of its largest, and when
-  double singular_time_ = -1;                // when it first was nearly zero, -1: never
+  double least_share_ = 1, share_time_ = 0;  // least share of the smallest singular value in the largest, and its time
+  double singular_time_ = -1;                // first time of a ratio near zero; -1: never
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;
-  double rank_time_ = -1;  // when rows became dependent that were not, -1: never
+  double rank_time_ = -1;  // first time at which independent rows became dependent; -1: never
   std::vector<char> active_;
   std::set<std::vector<char>> judged_;  // sets of active contacts
   std::string near_dependent_;          // the text of nearly_dependent()

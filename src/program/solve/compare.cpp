@@ -1,5 +1,3 @@
-// The sparse solution compared with that of the dense reference solver.
-
 #include <algorithm>
 #include <cmath>
 
@@ -12,9 +10,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kPatience = 2.5e5;  // us of dense solves, roughly
+constexpr double kPatience = 2.5e5;  // us: rough limit of the time of dense solves
 
-// The worst over robots for which both methods have a solution.
+// Returns the worst deviation, over robots for which both methods have a solution.
 Deviation worst_known(std::vector<Deviation> deviations) {
   std::erase_if(deviations, [](const Deviation& d) { return std::isnan(d.absolute); });
   return worst(deviations);
@@ -38,7 +36,7 @@ void print_against_dense(std::ostream& out, const SolvedScene& s) {
   }
   const int repeat = static_cast<int>(std::clamp(kPatience / rough, 1.0, double(s.repeat)));
   const SolvedScene dense = solve_scene(s.file, {Method::kDense, {}}, repeat);
-  // Accelerations of a scene at rest are rounding: gravity's is their scale then.
+  // Gravity is a scale of accelerations, too, since those of a scene at rest are rounding errors.
   const Eigen::VectorXd gravity = Eigen::VectorXd::Constant(scene.nv, scene.gravity.norm());
   const Deviation a = worst_known(acceleration_deviations(scene, s.data.a, dense.data.a, gravity));
   const Deviation f = worst_known(force_deviations(scene, s.data.f_offset, s.data.f, dense.data.f));

@@ -1,4 +1,4 @@
-// The derivatives in the summary: how long they took, and of each matrix the largest entry and the error bound.
+// The derivatives in the summary: their time, and the largest entry and the error bound of each matrix.
 
 #include <cmath>
 
@@ -42,7 +42,7 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
       << (s.repeat > 1 ? " (median of " + std::to_string(s.repeat) + ")" : "")
       << "; the largest entry of each (per rad, m, rad/s, m/s, N m, N)\n";
   Largest a[3], f[3];
-  std::size_t unknown = 0;  // islands without, though solved
+  std::size_t unknown = 0;  // solved islands without derivatives
   const DerivativeData& dd = derivatives(s.data);
   const Scene& scene = s.file.scene;
   const auto v_names = velocity_names(scene), u_names = torque_names(scene), f_names = force_names(scene, s.data);

@@ -13,7 +13,6 @@ namespace manycontact::cli {
 
 namespace {
 
-// A list of rows.
 Json matrix(const Eigen::MatrixXd& x) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < x.rows(); ++i) rows.push_back(json_of(Eigen::VectorXd(x.row(i).transpose())));
@@ -28,7 +27,7 @@ Json times_us(const SolvedScene& s) {
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
-// What an island's report and that of the scene have in common.
+// Returns the members that the reports of an island and of the scene have in common.
 Json accuracy_of(const auto& report) {
   return {{"residual_dynamics", report.residual_dynamics},   {"residual_contact", report.residual_contact},
           {"backward_error", report.backward_error},         {"condition", report.condition},
@@ -67,7 +66,7 @@ Json quality_entry(const SystemQuality& of) {
           {"signature", {of.positive, of.negative, of.zero}}};
 }
 
-// The least precise of the islands; without islands the one asked for.
+// Returns the least precision of the islands; without islands the requested one.
 Precision least_precision(const Report& report, Precision asked) {
   Precision least = report.islands.empty() ? asked : report.islands.front().precision;
   for (const IslandReport& island : report.islands) least = std::min(least, island.precision);
@@ -100,7 +99,6 @@ Json report(const SolvedScene& s) {
   return out;
 }
 
-// The blocks of derivatives by name.
 struct Block {
   const char* name;
   Eigen::MatrixXd SceneDerivatives::*matrix;
@@ -115,7 +113,7 @@ constexpr Block kBlocks[] = {
     {"dforces_du", &SceneDerivatives::dforces_du, &DerivativeBounds::dforces_du},
 };
 
-// The value over all islands; null, as it is written then, if it is not known.
+// Returns the largest bound over all islands; NaN, written as null, if one is not known.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;

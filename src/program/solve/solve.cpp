@@ -16,7 +16,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Median time of `repeat` calls, us. Before each, `before`, which is not timed.
+// Returns the median time of `repeat` calls [us]. `before` runs before each call and is not timed.
 template <class Before, class Call>
 double median_time(int repeat, Before&& before, Call&& call) {
   std::vector<double> times;
@@ -32,8 +32,8 @@ double median_time(int repeat, Call&& call) {
       repeat, [] {}, call);
 }
 
-// Everything that setting up and the first solve analyse: the patterns that the choice compares, CHOLMOD's symbolic
-// factorization where it is the choice. Islands of a shape met before cost their look-up.
+// Repeats the analyses of set-up and first solve: the patterns that the choice compares, and CHOLMOD's symbolic
+// factorization if it is chosen. An island whose shape is known costs a look-up.
 void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
   for (const Island& island : islands) {
     const std::size_t known = shapes.size();
@@ -57,7 +57,7 @@ double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
       repeat, [&] { shapes.emplace(); }, [&] { analyse(solved, islands, data.options, *shapes); });
 }
 
-// A SceneData, and how long it took to make one.
+// Makes a SceneData and measures the time.
 SceneData set_up(const Scene& scene, const Options& options, int repeat, double& time) {
   std::optional<SceneData> data;
   time = median_time(
@@ -65,7 +65,7 @@ SceneData set_up(const Scene& scene, const Options& options, int repeat, double&
   return std::move(*data);
 }
 
-/// JSON's matrices are dense. Throws UsageError where they would fill memory and disk.
+/// Throws UsageError if JSON, whose matrices are dense, would fill memory and disk.
 void check_size_of_json(const Scene& scene) {
   constexpr double kMost = 1e8;
   double rows = scene.nv;

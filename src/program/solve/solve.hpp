@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact solve`: what it computes, and the two ways of showing it.
+// `manycontact solve`: the solution of a scene, as a summary or as JSON.
 
 #include <optional>
 
@@ -12,10 +12,10 @@ namespace manycontact::cli {
 
 /// Median times, us.
 struct Times {
-  double symbolic = 0;  // analysis: every shape of island as if met for the first time
+  double symbolic = 0;  // analysis of every shape of island, as if none were known
   double setup = 0;     // set-up of the SceneData: memory, islands, and that analysis
   double solve = 0;
-  double derivatives = 0;  // 0 when not asked for
+  double derivatives = 0;  // 0 unless requested
 };
 
 struct SolvedScene {
@@ -33,11 +33,11 @@ struct SolvedScene {
   bool compare = false;                     // compare with the dense reference solver, however long it takes
 };
 
-/// Sets the scene up, analyses, solves and, when asked to, differentiates it, each `repeat` times; solve and
-/// derivatives once more before, to warm up.
+/// Sets up, analyses, solves and, on request, differentiates the scene, each `repeat` times; solve and derivatives once
+/// more before, to warm up.
 SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
-/// The JSON of design.md, section 6, to `path`, "-" is standard output. Throws InputError when it cannot be written.
+/// Writes the JSON document to `path`; "-" is standard output. Throws InputError if it cannot be written.
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);

@@ -1,5 +1,3 @@
-// The readable summary of `solve`: sizes, islands, status and accuracy, times.
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -40,7 +38,7 @@ std::string status_in_words(const Report& report, double damping) {
   return "";
 }
 
-// Islands with the same results share a line.
+// Islands with the same results, which share a line.
 struct Alike {
   std::vector<const Island*> islands;
   std::size_t number;   // number of the first island
@@ -82,7 +80,7 @@ std::string why(const SolvedScene& s, const Alike& kind) {
   return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
 }
 
-// "left_b[0], left_b[1], ... and 4 more", empty when all rows are independent.
+// Returns "left_b[0], left_b[1], ... and 4 more", or nothing if all rows are independent.
 std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   constexpr std::size_t kShown = 6;
   if (r.dependent_rows.empty()) return "";
@@ -94,7 +92,7 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   return text + " follow from the other rows";
 }
 
-// "at most 1.2e-13 of the largest acceleration, forces are rounding"; empty where there is no bound.
+// Returns "at most 1.2e-13 of the largest acceleration, forces are rounding errors"; nothing without a bound.
 std::string errors_in_words(const IslandReport& r) {
   const Rounding rounding = find_rounding(r);
   const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
@@ -106,7 +104,7 @@ std::string errors_in_words(const IslandReport& r) {
   return a + (a.empty() || f.empty() ? "" : ", ") + f;
 }
 
-// Empty where only double was asked for.
+// Returns nothing if only double precision was requested.
 std::string precision_in_words(const SolvedScene& s, const IslandReport& r) {
   const Precision asked = s.data.options.precision;
   if (asked == Precision::kDouble) return "";
@@ -118,7 +116,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// If all islands have the same results: one fact per line.
+// Prints one fact per line, if all islands have the same results.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {
@@ -182,7 +180,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
   wrap(out, times(s), 2);
 }
 
-// How well K x = b is solved, and how hard it is.
+// Prints how accurately K x = b is solved, and its condition.
 void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
   constexpr std::size_t kShown = 10;
   Table table("islands|robots<22|backward error: entries|norms|growth|condition|scaled|signature", kShown,

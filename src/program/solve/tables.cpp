@@ -1,5 +1,3 @@
-// Who is accelerated how much, and by which contact forces.
-
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
-// The velocity coordinate of the largest joint acceleration (absolute value), -1 when there is none.
+// Returns the velocity coordinate of the largest absolute joint acceleration, -1 if there is none.
 int fastest_joint(const Model& model, const ConstVectorRef& a) {
   int best = -1;
   for (int i = model.first_actuated(); i < model.nv; ++i)
@@ -24,7 +22,7 @@ int fastest_joint(const Model& model, const ConstVectorRef& a) {
   return best;
 }
 
-// Force and moment on A in the contact's axes.
+// Returns force and moment on A in the contact's axes.
 Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int offset) {
   Vec6<double> w = Vec6<double>::Zero();
   w.head<3>() = linear_force(contact, f.data() + offset);
@@ -33,7 +31,7 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
   return w;
 }
 
-// Returns the components of force that contacts could share otherwise: those to which a non-unique row contributes.
+// Returns the components of a force that could be distributed differently: those of rows that are not unique.
 std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
   const int first = s.data.f_offset[c];
@@ -73,7 +71,7 @@ std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   return total;
 }
 
-// The forces from the world, and the weight that they support.
+// Prints the forces from the world, and the weight that they support.
 void print_total(std::ostream& out, const SolvedScene& s) {
   double mass = 0;
   for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
@@ -88,8 +86,7 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 
 bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
-    return false;  // the accelerations of inconsistent contacts are printed,
-                   // since they are no rounding errors
+    return false;  // such accelerations are not rounding errors
   return std::ranges::all_of(report.islands,
                              [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

@@ -29,7 +29,7 @@ struct GainsChoice {
 struct EnergyRow {
   long step;
   double error;  // largest |E - E(0)| so far, J
-  double drift;  // position, at this step
+  double drift;  // constraint violation of positions at this step [m, rad]
 };
 
 // One run of the energy chart.
@@ -39,7 +39,7 @@ struct EnergyRun {
   double h;
   EnergyRow last = {};  // last row of energy.csv
   StepStatus stopped = StepStatus::kOk;
-  long steps = 0;      // done
+  long steps = 0;      // completed steps
   double kinetic = 0;  // largest, J
 };
 
@@ -74,7 +74,7 @@ const char* to_string(StepStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
-// A row of the largest constraint violation over `time`; stops if a step fails.
+// Writes a row with the largest constraint violation over `time`; stops if a step fails.
 void measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice, double h,
                    double time, const std::function<void(long)>& each, CsvFile& csv) {
   const Gains gains = gains_for(choice, integrator, h);
@@ -97,7 +97,7 @@ void measure_drift(SceneFile file, const Options& options, Integrator integrator
   csv.end_row();
 }
 
-// Rows of the largest energy error so far, at steps spaced evenly in their logarithm.
+// Writes rows of the largest energy error so far, at steps spaced evenly in their logarithm.
 EnergyRun measure_energy(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice,
                          double h, long steps, const std::function<void(long)>& each, CsvFile& csv) {
   set_gains(file.scene, gains_for(choice, integrator, h));
@@ -131,7 +131,7 @@ struct Plan {
   bool progress = false;
 };
 
-// Solves of all runs, which is what they cost.
+// Returns the number of solves of all runs, as a measure of their cost.
 double total_work(const Plan& plan) {
   double work = 0;
   for (double h : step_sizes()) work += 5 * plan.drift_time / h * static_cast<double>(gains_choices().size());

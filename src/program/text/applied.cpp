@@ -18,7 +18,7 @@ std::string name_of(const Scene& scene, const Attachment& at) {
   return robot.name + "/" + (at.frame.empty() ? robot.model->joints[at.joint].name : at.frame);
 }
 
-// The states of the forces at the file's q and v.
+// External wrenches and springs at the file's q and v.
 struct At {
   const Scene& scene;
   AppliedForces<double> forces;

@@ -9,7 +9,7 @@ namespace manycontact::cli {
 /// Returns why the last solve used another method than chosen, or nothing if it did not.
 std::string why_changed(const Choice& choice, const IslandReport& report);
 
-/// Non-zeros of K, both triangles, without the contact rows' diagonal where it is zero.
+/// Returns the number of non-zeros of K, both triangles, without the contact rows' diagonal if it is zero.
 double nonzeros_of_K(const IslandShape& shape, double damping);
 
 }  // namespace manycontact::cli

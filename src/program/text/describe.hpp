@@ -1,5 +1,5 @@
 #pragma once
-// How robots and islands are called in readable output, copies together.
+// Names of robots and islands in readable output, copies combined.
 
 #include "manycontact/dynamics/views.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -10,7 +10,7 @@ namespace manycontact::cli {
 std::string group_name(const RobotGroup& group);
 /// "1 floating, 32 revolute".
 std::string joint_types(const Model& model);
-/// The robots, all copies of a group as one: "a, b, beam", "ring x16".
+/// Returns the names of robots, all copies of a group as one: "a, b, beam", "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// Does what robot_names does, for several islands: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
@@ -18,15 +18,14 @@ std::string islands_name(const SceneFile& file, const std::vector<const Island*>
 /// Returns for each contact of the scene the index of its element in contact_groups, which its copies share.
 std::vector<int> group_of_contacts(const SceneFile& file);
 
-/// Islands of the scene; with method dense-schur, whose report has a single entry for all of it, too.
+/// Counts the scene's islands, also for method dense-schur, whose report has one entry for all of them.
 std::size_t count_islands(const Scene& scene, const SceneData& data);
 
-/// Heading of both commands: name, path, gravity, damping, sizes.
+/// Prints the heading of both commands: name, path, gravity, damping, sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
-/// Prints the links that reading the files merged and locked, by robot.
+/// Prints, by robot, the links that were merged or locked when the files were read.
 void print_notes(std::ostream& out, const SceneFile& file);
-/// Prints external wrenches and springs at the file's q and v: points of application, lengths of springs, and forces.
-/// Prints nothing if the scene has none.
+/// Prints external wrenches and springs at the file's q and v: points, lengths and forces; nothing without any.
 void print_applied_forces(std::ostream& out, const SceneFile& file);
 
 }  // namespace manycontact::cli

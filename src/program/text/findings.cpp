@@ -19,7 +19,7 @@ std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
 }
 
-// "left, right", and the worst apart when there are several.
+// Prints the contacts' names, "left, right", and separately the worst of several.
 template <class List, class Size, class Say>
 void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
                     Say&& say) {
@@ -91,7 +91,7 @@ void print_massless(std::ostream& out, const std::vector<MasslessJoint>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
-// The first of a list that has an item an island, or a robot.
+// Prints the first entries of a list with one entry per island or robot.
 void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title,
                 const std::string& items = "islands") {
   const std::size_t shown = list.size() <= kMostIslands + 1 ? list.size() : kMostIslands;
@@ -101,7 +101,6 @@ void print_some(std::ostream& out, const std::vector<std::string>& list, const s
 
 }  // namespace
 
-// Islands where one row could as well be dropped as another kept are told in words.
 void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to) {
   const std::vector<RankGap> gaps = rank_gaps(scene, data);
   const auto counts = [](const RankGap& gap) { return gap.known && gap.kept >= 0; };

@@ -12,7 +12,7 @@
 
 namespace manycontact::cli {
 
-// Nearly dependent rows, with names, for the contacts that were active may be others later.
+// Nearly dependent rows, with their names, since other contacts may be active later.
 struct NearlyDependent {
   NearDependent found;
   std::vector<std::string> rows;
@@ -22,7 +22,7 @@ struct NearlyDependent {
 
 struct Findings {
   std::vector<Finding> files;          // findings about the robots' files
-  std::vector<Unbalanced> unbalanced;  // robots, by the quasi-static torques that were asked for
+  std::vector<Unbalanced> unbalanced;  // robots that the requested quasi-static torques do not keep at rest
   std::vector<PlacementError> misplaced;
   std::vector<VelocityError> moving;
   std::vector<Violation> violations;
@@ -33,8 +33,8 @@ struct Findings {
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
   std::vector<std::string> velocity_names;  // names of all coordinates, if rank_changes need them
-  std::vector<std::string> close_rows;      // islands, in words, where a row could as well be dropped as another kept
-  double rank_gap = std::numeric_limits<double>::infinity();  // the islands' least; infinite where none is known
+  std::vector<std::string> close_rows;      // descriptions of islands whose rank decision is not reliable
+  double rank_gap = std::numeric_limits<double>::infinity();  // the smallest gap of the islands; infinite if unknown
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
@@ -43,7 +43,7 @@ struct Findings {
   }
 };
 
-/// Finds them in a scene solved at its own state.
+/// Returns the findings of a scene solved at its own state.
 Findings find(const SceneFile& file, const SceneData& data);
 /// Adds near_dependent, close_rows and rank_gap of a solution at q, each once for the same rows.
 void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to);
@@ -59,10 +59,10 @@ std::string in_words(const Scene& scene, const TurningRows& rows);
 /// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
 
-/// "To look at": a line per kind of finding, the worst first; nothing where there are none.
+/// Prints "To look at": a line per kind of finding, the worst first; nothing without findings.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
 
-/// {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" for what slips.
+/// {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" if the contact slips.
 Json json_of(const Scene& scene, const Violation& violation);
 /// {"contact": "left", "rate": 2.3}
 Json json_of(const Scene& scene, const TurningRows& rows);

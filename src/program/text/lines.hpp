@@ -5,7 +5,7 @@
 
 namespace manycontact::cli {
 
-/// A line of a table, and what it is ranked by.
+/// A line of a table, ranked by `size`.
 struct Line {
   int group = 0;  // the group of copies that the line belongs to
   std::string first, last;
@@ -18,7 +18,7 @@ using Lines = std::vector<Line>;
 /// Appends a line, or adds this copy to the last one.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
-/// Prints the `most` largest lines in their old order, and how many more there are; `none_larger`: and that.
+/// Prints the `most` largest lines in their old order, and how many more there are. none_larger: these are not larger.
 void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
 
 }  // namespace manycontact::cli

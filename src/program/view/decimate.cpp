@@ -10,7 +10,7 @@ namespace {
 
 using Point = std::array<float, 3>;
 
-// One vertex per cell: the first that falls in it, so that flat and sharp places stay where they are.
+// Merges the vertices in each grid cell into the first of them, which leaves flat and sharp places where they are.
 Mesh cluster(const Mesh& mesh, const Point& corner, float cell) {
   Mesh out;
   std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_cell;

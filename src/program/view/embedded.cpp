@@ -1,5 +1,4 @@
-// The text of commands, the parts of the page in src/program/view/page, and three.js, included in the program by the
-// assembler. CMake defines where they are.
+// Embeds commands.txt, the page's parts in src/program/view/page, and three.js; CMake defines their paths.
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-// The page: its parts put together, the scene and the frames as JSON with numbers in base64.
+// Writes the page: its parts, and the scene and the frames as JSON with numbers in base64.
 
 #include "page.hpp"
 
@@ -16,7 +16,7 @@ static_assert(std::endian::native == std::endian::little, "the page reads little
 
 namespace {
 
-constexpr double kLargestPage = 500e6;  // bytes; no browser is at ease with more
+constexpr double kLargestPage = 500e6;  // bytes; larger pages overload browsers
 
 std::string base64(const unsigned char* bytes, std::size_t size) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -68,14 +68,14 @@ Json frames_of(const Recording& r) {
           {"flags", base64_of(r.flags)}};
 }
 
-// Text inside <script>: no '<', which could end it.
+// Replaces '<' in a text inside <script>, which '<' could end.
 std::string script_safe(const std::string& json) {
   std::string out;
   for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
   return out;
 }
 
-// The template with {{name}} replaced.
+// Writes the template with {{name}} replaced.
 void write_page(const PageParts& parts, std::string_view scene, std::ostream& out) {
   const std::pair<std::string_view, std::string_view> fill[] = {
       {"{{css}}", parts.css}, {"{{three}}", parts.three}, {"{{scene}}", scene}, {"{{script}}", parts.script}};
@@ -92,7 +92,7 @@ void check_size(const Recording& r) {
   const double frames = static_cast<double>(r.t.size());
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
-                        20. * static_cast<double>(r.points.size()) +  // normals, forces and the places of contacts too
+                        20. * static_cast<double>(r.points.size()) +  // also normals, forces and placements of contacts
                         4. * static_cast<double>(r.wrenches.size() + r.springs.size()));
   if (bytes > kLargestPage)
     throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
@@ -121,7 +121,7 @@ std::vector<std::string> write_view(const SceneFile& file, Recording& recording,
   scene["frames"] = frames_of(recording);
   scene["notes"] = notes;
   const std::string json =
-      script_safe(scene.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may be any bytes
+      script_safe(scene.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may contain any bytes
 
   OutputFile page(path);
   write_page(page_parts(), json, page.stream());

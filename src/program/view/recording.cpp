@@ -1,5 +1,3 @@
-// A motion, state by state, made into what is drawn.
-
 #include <cmath>
 #include <limits>
 
@@ -37,7 +35,7 @@ SE3<double> placement_of(const Attachment& at, const Recording& r) {
   return frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, at.joint, at.placement);
 }
 
-// The frame that B was attached by, before its offset; B' where that is not known.
+// Returns the frame that B is attached to, without B's offset; B' if that frame is not known.
 SE3<double> frame_of(const Attachment& at, const Recording& r) {
   if (at.robot < 0 || at.frame.empty()) return placement_of(at, r);
   const Model& model = *r.scene->robots[at.robot].model;
@@ -76,7 +74,7 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
       if (dependent[first + k]) flags |= Recording::kRedundant;
       const bool known = std::isfinite(r.dynamics.f[first + k]);
-      if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;  // the arrow's
+      if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;  // rows of the arrow
     }
     std::optional<Vec3<double>> force;
     if (state.forces && state.active[c]) force = linear_force(contact, (*state.forces)[c].data());
@@ -98,7 +96,7 @@ void record_forces(Recording& r) {
     for (const Attachment* end : {&spring.A, &spring.B}) append(placement_of(*end, r).p, r.springs);
 }
 
-// An island is called by its first robot, so that its colour stays when others change.
+// An island is named after its first robot, so that its colour stays when other islands change.
 void record_islands(Recording& r) {
   std::vector<std::int32_t> first(island_count(r.dynamics), -1);
   for (int robot = 0; robot < r.scene->nrobots(); ++robot) {

@@ -33,7 +33,7 @@ struct Meshes {
   std::set<std::string> lost;        // names of missing meshes as in the URDF, and the reasons
 };
 
-// The mesh's number in the list; -1 where it cannot be had.
+// Returns the mesh's number in the list; -1 if it cannot be read.
 int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {
   const std::string path = find_mesh(urdf, name);
   if (path.empty()) {
@@ -56,8 +56,8 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
   return at->second;
 }
 
-// A capsule from the body's origin to p, in the body's frame; a ball where they meet. `ends`: its tip is at p, not the
-// middle of its round end.
+// Returns a capsule from the body's origin to p, in the body's frame; a ball if p is the origin. `ends`: the capsule's
+// tip is at p, instead of the middle of its round end.
 Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   if (ends && p.norm() > 0) p *= 1 - radius / p.norm();
   const double length = p.norm();
@@ -67,7 +67,7 @@ Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   return {{"body", body}, {"shape", "capsule"}, {"size", {radius, length, 0}}, {"at", json_of(at)}};
 }
 
-// How far joints are from their parents, all in all: the scale of capsules.
+// Returns the largest sum of the distances between joints along a chain: the scale of capsules.
 double reach_of(const Model& model) {
   double longest = 0;
   std::vector<double> reach(model.joints.size());
@@ -79,8 +79,7 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Returns the end of a body that carries no others: its farthest frame. If the centre of mass is farther out, the point
-// at twice its distance.
+// Returns the end of a leaf body: its farthest frame, or the point at twice the centre of mass if this is farther out.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[joint].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
@@ -90,8 +89,8 @@ Vec3<double> tip_of(const Model& model, int joint) {
   return tip.norm() < centre.norm() ? Vec3<double>(2 * centre) : tip;
 }
 
-// Bodies without a shape, or short of one: from their joint to those they carry, leaves to their tips. The body -1 is a
-// fixed base.
+// Adds capsules for bodies without a complete shape: from their joint to the joints they carry, for leaves to their
+// tips. Body -1 is a fixed base.
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
   std::vector<std::vector<Vec3<double>>> ends(whole.size());  // one entry per body, the base first

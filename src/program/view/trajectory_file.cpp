@@ -11,7 +11,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kUnitLength = 1e-3;  // tables may have few digits: the picture is the same
+constexpr double kUnitLength = 1e-3;  // permitted error of a quaternion's norm, since tables may have few digits
 
 using Columns = std::vector<std::size_t>;
 
@@ -27,7 +27,7 @@ Eigen::VectorXd numbers(const CsvReader& row, const Columns& list) {
   return out;
 }
 
-// The forces of states, from a file of their own.
+// Reads the forces of states from a separate file.
 class Forces {
  public:
   Forces(const std::string& path, const Scene& scene) : row_(path) {
@@ -51,7 +51,7 @@ class Forces {
     }
     more_ = row_.next();
   }
-  /// After the last state: no row may be left.
+  /// Throws if rows are left after the last state.
   void finish() const {
     if (more_) refuse();
   }

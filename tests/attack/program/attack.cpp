@@ -1,6 +1,5 @@
 // usage: attack SECONDS FIRST_SEED FOLDER [--auto] [DIMENSION...] runs random cases for SECONDS from FIRST_SEED on.
-// Faults are shrunk and kept in FOLDER, one folder a fault. Exit 1 if a fault was found. --auto uses only the method
-// auto, in every precision.
+// Keeps shrunk faults in FOLDER, one folder each, and exits with 1 if there are any. --auto: only the method auto.
 
 #include <chrono>
 #include <cstdio>
@@ -24,7 +23,7 @@ struct Tally {
 // Keeps the smallest case of a fault, with the finding and the command to reproduce it.
 void keep(const Case& c, const Finding& finding, const std::string& folder) {
   test::TemporaryFolder scratch;
-  const std::size_t in = finding.method.find(" in ");  // a precision: every judgement covers all of them
+  const std::size_t in = finding.method.find(" in ");  // the name of a precision follows; judgements cover all of them
   std::vector<Method> methods;
   if (const auto method = method_from_string(finding.method)) methods.push_back(*method);
   const auto same = [&](const Case& smaller) {
@@ -59,7 +58,7 @@ int attack(double seconds, std::uint64_t first, const std::string& folder, std::
       ++tally.faults[to_string(f.fault)];
       std::printf("%s: %s %s: %s\n", c.name.c_str(), f.method.c_str(), to_string(f.fault).c_str(), f.text.c_str());
     }
-    constexpr int kKept = 5;  // per kind: more add nothing
+    constexpr int kKept = 5;  // cases kept per kind of fault
     if (!j.findings.empty() && kept[to_string(j.findings.front().fault)]++ < kKept)
       keep(c, j.findings.front(), folder + "/" + to_string(j.findings.front().fault) + "-" + std::to_string(seed));
   }
