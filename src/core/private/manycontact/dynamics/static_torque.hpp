@@ -24,8 +24,7 @@ struct StaticTorque {
 };
 
 /// s.tau (nv): with the contact forces, or without `contacts` as if there were none; with data.wrenches. q: nq. After
-/// forward_kinematics of data's robots at q and, with `contacts`, a solve; throws std::logic_error where SIMD batches
-/// solved and `complete` was not called since.
+/// update_kinematics at q or a solve; with `contacts`, a solve.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
 /// Computes the derivative of s.tau with respect to q, on the tangent space, with f constant in each contact's frame:

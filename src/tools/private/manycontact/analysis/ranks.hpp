@@ -80,11 +80,8 @@ struct RowRemainders {
   double dependent = tolerance::kRank;  // rows with remainders up to this one depend on the rows before them;
                                         // it is chosen so that their number is what the solver has found
 };
-/// Uses dense Gram-Schmidt, twice. Call it after a solve and complete (dynamics/views.hpp).
+/// Uses dense Gram-Schmidt, twice. Call it after a solve.
 RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
-
-/// Does what find_ranks does for an island. Call it after complete, which processes the whole scene.
-IslandRanks ranks_of_island(const Scene& scene, const SceneData& data, std::size_t island);
 
 }  // namespace internal
 
