@@ -607,7 +607,7 @@ TEST_P(InLanes, InAnIslandALaneFallsOutAlone) {
   at = std::remainder(at, 1) + 3e7;
   EXPECT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, after).status, Status::kOk);
   (void)solve(ring.scene, ring.q, ring.v, ring.u, off);
-  for (int r = 0; r < 11; ++r) expect_same_terms(after, r, r == 5 ? off : before, r);
+  for (int r = 0; r < 11; ++r) expect_same_terms(ring.scene, after, r, ring.scene, r == 5 ? off : before, r);
   at = kNaN;
   EXPECT_EQ(solve(ring.scene, ring.q, ring.v, ring.u, after).status, Status::kFailed);
   EXPECT_EQ(after.report.islands[0].reason, Reason::kNotFinite);
