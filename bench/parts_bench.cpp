@@ -46,14 +46,13 @@ struct Fixture {
     (void)solve(s.scene, s.q, s.v, s.u, data);
     qdd = data.a;
     tau = Eigen::VectorXd::Zero(model.nv);
-    complete(s.scene, data);
-    kin = robot_kinematics(data, 0);
+    kin = robot_kinematics(s.scene, data, 0);
     crba<double>(model, kin, Yc, M.data());
     M_spans.emplace_back(M);
     for (std::size_t c = 0; c < s.scene.contacts.size(); ++c)
-      contacts.push_back(contact_data(data, static_cast<int>(c)));
+      contacts.push_back(contact_data(s.scene, data, static_cast<int>(c)));
     for (const ContactData<double>& c : contacts) J_spans.emplace_back(c.J.data(), c.J.size());
-    K = assembled_matrix_of(data, 0);
+    K = assembled_matrix_of(s.scene, data, 0);
     v.resize(K.size());
     for (int k = 0; k < K.size(); ++k) v.b[k] = v.x[k] = std::sin(k + 1.0);
     Lx.resize(K.pattern->ldl.nonzeros());
@@ -99,8 +98,8 @@ void crba_alone(benchmark::State& state, Fixture& f) {
 void rows(benchmark::State& state, Fixture& f) {
   for (auto _ : state)
     for (std::size_t c = 0; c < f.s.scene.contacts.size(); ++c)
-      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], contact_support(f.data, static_cast<int>(c)), f.kin,
-                           nullptr, f.contacts[c]);
+      contact_rows<double>(f.s.scene, f.s.scene.contacts[c], contact_support(f.s.scene, f.data, static_cast<int>(c)),
+                           f.kin, nullptr, f.contacts[c]);
 }
 
 void assemble_k(benchmark::State& state, Fixture& f) {

@@ -68,7 +68,7 @@ void eigen_factors(benchmark::State& state, int robots) {
   const Posed s = bench::robots(robots);
   SceneData data(s.scene, {Method::kDenseSchur, {}});
   (void)solve(s.scene, s.q, s.v, s.u, data);
-  const Eigen::MatrixXd all = kkt_matrix(data, 0);
+  const Eigen::MatrixXd all = kkt_matrix(s.scene, data, 0);
   const int nv = s.scene.nv, nc = static_cast<int>(all.rows()) - nv;
   const Eigen::MatrixXd M = all.topLeftCorner(nv, nv), J = all.bottomLeftCorner(nc, nv);
   Eigen::LLT<Eigen::MatrixXd> llt_M(nv), llt_S(nc);

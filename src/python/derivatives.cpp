@@ -55,17 +55,15 @@ auto block_property(Block (IslandDerivatives::*block)() const) {
   };
 }
 
-// Returns K of one island, or of the whole scene (island < 0), as a scipy matrix.
-py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
-  data.use([&](SceneData& d) { complete(scene, d); });
-  const SceneData& d = data.at_rest();
+// Returns K of one island, or of the whole scene (island < 0).
+Eigen::SparseMatrix<double> joined_kkt_matrix(const Scene& scene, const SceneData& d, int island) {
   const auto count = static_cast<int>(island_count(d));
   if (island < -1 || island >= count)
     throw py::value_error("kkt_matrix: there is no island " + std::to_string(island) + " of " + std::to_string(count));
   std::vector<Eigen::Triplet<double>> entries;
   int size = 0;
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
-    const Eigen::SparseMatrix<double> K = kkt_matrix(d, i);
+    const Eigen::SparseMatrix<double> K = kkt_matrix(scene, d, i);
     const Island& at = solved_island(d, i);
     std::vector<int> place(at.size());  // positions of the island's [a; f] in the matrix
     for (int k = 0; k < at.size(); ++k) place[k] = k;
@@ -84,7 +82,7 @@ py::object kkt_matrix(const Scene& scene, const Data& data, int island) {
   }
   Eigen::SparseMatrix<double> whole(size, size);
   whole.setFromTriplets(entries.begin(), entries.end());
-  return scipy_csc(std::move(whole));
+  return whole;
 }
 
 void add_derivative_classes(py::module_& m) {
@@ -135,7 +133,9 @@ void add_differentiate(py::module_& m) {
       }));
   def(m, "sparse_derivatives", with_data(&sparse_derivatives, scipy_csc));
   def(m, "release_derivatives", [](const Data& data) { data.use([](SceneData& d) { release_derivatives(d); }); });
-  def(m, "kkt_matrix", &kkt_matrix);
+  def(m, "kkt_matrix", [](const Scene& scene, const Data& data, int island) {
+    return scipy_csc(data.use([&](const SceneData& d) { return joined_kkt_matrix(scene, d, island); }));
+  });
   def(m, "jvp",
       [](const Scene& scene, const Data& data, const Vector& dq, const Vector& dv, const Vector& du,
          const std::optional<Vector>& dw) {

@@ -138,18 +138,20 @@ void add_views(py::module_& m) {
   def(m, "update_kinematics", [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {
     data.use([&](SceneData& d) { update_kinematics(scene, q, v, d); });
   });
-  def_as(
-      m, "frame_placement", "scene_frame_placement",
-      [](const Scene& scene, const Data& data, const std::string& robot, const std::string& frame) {
-        const int r = robot_called(scene, robot);
-        const Robot& owner = scene.robots[r];
-        const int number = owner.model->find_frame(frame);
-        if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));
-        data.use([&](SceneData& d) { d.serial != 0 ? complete(scene, d) : prepare(scene, d); });  // or throws
-        const Frame& f = owner.model->frames[number];
-        return frame_placement<double>(robot_kinematics(data.at_rest(), r), owner.base, f.joint, f.placement);
-      });
-  def(m, "complete", with_data(&complete));
+  def_as(m, "frame_placement", "scene_frame_placement",
+         [](const Scene& scene, const Data& data, const std::string& robot, const std::string& frame) {
+           const int r = robot_called(scene, robot);
+           const Robot& owner = scene.robots[r];
+           const int number = owner.model->find_frame(frame);
+           if (number < 0) throw py::value_error(no_frame(robot, *owner.model, frame));
+           const Frame& f = owner.model->frames[number];
+           SE3<double> out;
+           data.use([&](SceneData& d) {
+             if (d.serial == 0) prepare(scene, d);  // or throws
+             out = frame_placement<double>(robot_kinematics(scene, d, r), owner.base, f.joint, f.placement);
+           });
+           return out;
+         });
 }
 
 }  // namespace

@@ -147,11 +147,11 @@ TEST(ActionApi, Armature) {
   const auto model = w.model();
   EXPECT_TRUE(model->get_armature() == w.state->get_model()->armature);
   const DataPtr data = evaluated(*model, w.x, w.u);
-  const auto inertia = [](const SceneData& d) {
-    const std::span<const double> M = joint_space_inertia(d, 0);
+  const auto inertia = [](const Scene& scene, const SceneData& d) {
+    const std::span<const double> M = joint_space_inertia(scene, d, 0);
     return std::vector<double>(M.begin(), M.end());
   };
-  const std::vector<double> M = inertia(as_fwddyn(data).multibody->solution);
+  const std::vector<double> M = inertia(as_fwddyn(data).multibody->scene, as_fwddyn(data).multibody->solution);
   std::mt19937 rng(5);
   const Eigen::VectorXd armature = random_vector(static_cast<int>(w.state->get_nv()), rng).cwiseAbs();
   model->set_armature(armature);
@@ -168,12 +168,12 @@ TEST(ActionApi, Armature) {
   differentiate(scene, own);
   EXPECT_LT(error_of(data->xout, own.a), 1e-9);
   EXPECT_LT(error_of(data->Fx.leftCols(scene.nv).eval(), dense_derivatives(scene, own).da_dq), 1e-8);
-  EXPECT_TRUE(inertia(as_fwddyn(data).multibody->solution) == inertia(own));
-  EXPECT_FALSE(M == inertia(own));
+  EXPECT_TRUE(inertia(as_fwddyn(data).multibody->scene, as_fwddyn(data).multibody->solution) == inertia(scene, own));
+  EXPECT_FALSE(M == inertia(scene, own));
   EXPECT_EQ(difference_of(*evaluated(*model, w.x, w.u), *data), 0);  // those of data created afterwards
   model->set_armature(w.state->get_model()->armature);
   evaluated(*model, w.x, w.u, data);
-  EXPECT_TRUE(inertia(as_fwddyn(data).multibody->solution) == M);
+  EXPECT_TRUE(inertia(as_fwddyn(data).multibody->scene, as_fwddyn(data).multibody->solution) == M);
 }
 
 TEST(ActionApi, Damping) {

@@ -206,7 +206,7 @@ TEST(ResidualValues, OfGravityAreWhatAccelerates) {
     for (int i = 0; i < shared.scene.nrobots(); ++i) {
       const Robot& robot = shared.scene.robots[i];
       Eigen::MatrixXd M(robot.model->nv, robot.model->nv);
-      unpack_inertia<double>(*robot.model, joint_space_inertia(shared.solution, i).data(), M);
+      unpack_inertia<double>(*robot.model, joint_space_inertia(shared.scene, shared.solution, i).data(), M);
       Ma.segment(robot.idx_v, robot.model->nv) = M * t.data->xout.segment(robot.idx_v, robot.model->nv);
     }
     const Eigen::VectorXd by_contacts = t.of("ContactControlGrav").r, alone = t.of("ControlGrav").r;

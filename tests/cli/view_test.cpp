@@ -81,7 +81,7 @@ void expect_forces(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
       continue;
     }
     const Robot& robot = scene.robots[static_cast<std::size_t>(contact.A.robot)];
-    const SE3<double> oMA = frame_placement<double>(robot_kinematics(data, contact.A.robot), robot.base,
+    const SE3<double> oMA = frame_placement<double>(robot_kinematics(scene, data, contact.A.robot), robot.base,
                                                     contact.A.joint, contact.A.placement);
     const Vec3<double> f = contact_force(scene, solved, static_cast<int>(c)).head<3>();
     const Vec3<double> in_world = contact.reference_frame == ReferenceFrame::kLocal ? Vec3<double>(oMA.R * f) : f;

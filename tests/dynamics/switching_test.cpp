@@ -28,14 +28,15 @@ TEST(Switching, TouchesItsIslandAlone) {
   solve_at(file, data);
   ASSERT_EQ(shapes_analysed(data), 1u);
   std::vector<const double*> before;
-  for (std::size_t i = 0; i < island_count(data); ++i) before.push_back(assembled_matrix_of(data, i).values.data());
+  for (std::size_t i = 0; i < island_count(data); ++i)
+    before.push_back(assembled_matrix_of(file.scene, data, i).values.data());
   const int lifted = contact_named(file.scene, file.scene.contacts[0].name);
   const int of = island_with_robot(data, file.scene.contacts[lifted].A.robot);
   data.active[lifted] = 0;
   solve_at(file, data);
   EXPECT_EQ(shapes_analysed(data), 2u);
   for (std::size_t i = 0; i < island_count(data); ++i)
-    EXPECT_EQ(assembled_matrix_of(data, i).values.data() == before[i], static_cast<int>(i) != of) << i;
+    EXPECT_EQ(assembled_matrix_of(file.scene, data, i).values.data() == before[i], static_cast<int>(i) != of) << i;
   // The same foot of another robot gives a shape seen before, in the memory of the first.
   data.active[lifted] = 1;
   solve_at(file, data);

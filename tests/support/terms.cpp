@@ -19,20 +19,22 @@ Terms::Terms(const Scene& scene, const std::vector<char>& active, const Eigen::V
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     const int o = robot.idx_v, nv = robot.model->nv;
-    unpack_inertia<double>(*robot.model, joint_space_inertia(data, r).data(), M.block(o, o, nv, nv));
-    tau_b.segment(o, nv) = -bias_torques(data, r);
+    unpack_inertia<double>(*robot.model, joint_space_inertia(scene, data, r).data(), M.block(o, o, nv, nv));
+    tau_b.segment(o, nv) = -bias_torques(scene, data, r);
     for (int k = 0; k < robot.model->nu(); ++k) tau_b[o + robot.model->actuated[k]] += u[robot.idx_u + k];
   }
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     if (data.f_offset[c] < 0) continue;
     const Contact& contact = scene.contacts[c];
     const int rows = contact.rows();
-    a0.segment(data.f_offset[c], rows) = contact_data(data, c).a0;
+    a0.segment(data.f_offset[c], rows) = contact_data(scene, data, c).a0;
     int k = 0;
-    for (int i : contact_support(data, c).a)
-      J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_data(data, c).J.col(k++);
-    for (int i : contact_support(data, c).b)
-      J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) = contact_data(data, c).J.col(k++);
+    for (int i : contact_support(scene, data, c).a)
+      J.col(scene.robots[contact.A.robot].idx_v + i).segment(data.f_offset[c], rows) =
+          contact_data(scene, data, c).J.col(k++);
+    for (int i : contact_support(scene, data, c).b)
+      J.col(scene.robots[contact.B.robot].idx_v + i).segment(data.f_offset[c], rows) =
+          contact_data(scene, data, c).J.col(k++);
   }
 }
 

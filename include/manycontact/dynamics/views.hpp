@@ -1,9 +1,11 @@
 #pragma once
 // Intermediate results of a solve: islands, K, kinematics, and the Jacobians of contacts. All functions throw
-// std::logic_error if the requested result was not computed. References remain valid until the next call with the data.
+// std::logic_error if there is no solution, or none that has the requested result. References remain valid until the
+// next call that changes the data.
 //
-// Robots that were solved in a SIMD batch (`Options::simd_level`) have no intermediate results until `complete` is
-// called. With sparse-bodies there is no K, and J and Jl of contacts are NaN.
+// Functions that take the scene evaluate terms that the solver left out, at the cost of evaluating one island, or of
+// assembling its K: SIMD batches (`Options::simd_level`) keep accelerations and forces alone. They are thread-safe only
+// where the terms are there. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>
@@ -16,11 +18,6 @@
 
 namespace manycontact {
 
-/// Computes the intermediate results of robots that were solved in a SIMD batch: motions, K and its factor. Call it
-/// after a solve and before the functions below. Throws as differentiate does. The cost is that of a solve of these
-/// robots.
-void complete(const Scene& scene, const SceneData& data);
-
 /// Whether the current islands are those of data.active and data.options.
 bool is_prepared(const SceneData& data);
 /// The islands of data.report.islands, by number. Call these functions after prepare or solve.
@@ -32,23 +29,22 @@ int island_with_robot(const SceneData& data, int robot);
 /// solution.
 Choice chosen_method(const SceneData& data, std::size_t i);
 /// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. Its
-/// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Call `complete` first for
-/// robots that were solved in a SIMD batch. Allocates.
-Eigen::SparseMatrix<double> kkt_matrix(const SceneData& data, std::size_t i);
+/// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Allocates.
+Eigen::SparseMatrix<double> kkt_matrix(const Scene& scene, const SceneData& data, std::size_t i);
 
 /// The kinematics of a robot's bodies in its tree frame (detail/algorithm/kinematics.hpp) at the last q, v. The
 /// accelerations are those for zero joint accelerations.
-const Kinematics<double>& robot_kinematics(const SceneData& data, int robot);
+const Kinematics<double>& robot_kinematics(const Scene& scene, const SceneData& data, int robot);
 /// The inertia of each joint's subtree in the tree frame [kg, kg m, kg m^2].
-std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot);
+std::span<const Inertia<double>> composite_inertias(const Scene& scene, const SceneData& data, int robot);
 /// The packed joint-space inertia (detail/algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
-std::span<const double> joint_space_inertia(const SceneData& data, int robot);
-const Eigen::VectorXd& bias_torques(const SceneData& data, int robot);
+std::span<const double> joint_space_inertia(const Scene& scene, const SceneData& data, int robot);
+const Eigen::VectorXd& bias_torques(const Scene& scene, const SceneData& data, int robot);
 /// The constraint rows of an active contact: J, a0 and the quantities that they are computed from
 /// (detail/contact/rows.hpp).
-const ContactData<double>& contact_data(const SceneData& data, int contact);
+const ContactData<double>& contact_data(const Scene& scene, const SceneData& data, int contact);
 /// The velocity coordinates that the contact acts on.
-const ContactSupport& contact_support(const SceneData& data, int contact);
+const ContactSupport& contact_support(const Scene& scene, const SceneData& data, int contact);
 /// The constraint rows of an active contact at the accelerations of the solution, and their derivatives. Call these
 /// functions after differentiate.
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact);

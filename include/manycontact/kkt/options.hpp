@@ -89,8 +89,7 @@ struct Options {  // How to solve.
   int threads = 1;
   /// Whether the constraint rows of several contacts between the same two bodies are reduced to at most six independent
   /// rows before the factorization. All methods do so except kDense and kDenseSchur, if Scene::tolerance is zero and
-  /// the contacts are expressed in A's axes. If false, dependent rows are found in K instead, and `complete` shows
-  /// every contact.
+  /// the contacts are expressed in A's axes. If false, dependent rows are found in K instead.
   bool reduce_pairs = true;
   /// Islands that cannot be solved in this precision are solved in kDouble. IslandReport::precision shows which was
   /// used, and IslandReport::reason is kLowPrecision unless the island has another reason.

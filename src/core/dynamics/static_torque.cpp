@@ -1,7 +1,5 @@
 #include "manycontact/dynamics/static_torque.hpp"
 
-#include <stdexcept>
-
 #include "derivatives/columns.hpp"
 #include "internal.hpp"
 #include "manycontact/detail/algorithm/rnea.hpp"
@@ -20,15 +18,8 @@ StaticTorque::StaticTorque(const Scene& scene) : applied(scene), scratch(applied
 
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
-  const auto check = [](bool known) {
-    if (!known)
-      throw std::logic_error(
-          "static_torque: SIMD batches and sparse-bodies keep no kinematics: "
-          "call complete first");
-  };
-  for (int r = 0; r < scene.nrobots(); ++r) check(internal::is_evaluated(w, r));
   for (std::size_t c = 0; contacts && c < scene.contacts.size(); ++c)
-    if (data.f_offset[c] >= 0) check(w.rows_state[c] == w.state);
+    if (data.f_offset[c] >= 0) (void)contact_data(scene, data, static_cast<int>(c));  // makes sure that it is evaluated
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
@@ -36,7 +27,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
   s.tau.setZero();  // tau serves as the velocity, which is zero
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
-    s.kin[r] = w.robots[r].kin;
+    s.kin[r] = robot_kinematics(scene, data, r);
     auto tau = s.tau.segment(robot.idx_v, robot.model->nv);
     forward_accelerations<double>(*robot.model, tau, nullptr, scene.gravity, s.kin[r]);
     if (!contacts) std::fill(s.fext[r].begin(), s.fext[r].end(), Vec6<double>(Vec6<double>::Zero()));

@@ -19,18 +19,38 @@ const Workspace& prepared(const SceneData& data) {
 
 const Workspace& solver(const SceneData& data) { return *data_solved(data).workspace; }
 
-[[noreturn]] void not_there(const SceneData& data) {
-  throw std::logic_error(data.serial == 0
-                             ? "views of a scene's data: solve first"
-                             : "views of a scene's data: SIMD batches keep only accelerations and forces: "
-                               "call complete first; or by sparse-bodies, which has no K (Options::method)");
+[[noreturn]] void not_there() {
+  throw std::logic_error(
+      "views of a scene's data: the contact is not active, or the tree is so deep that sparse-bodies needs no K");
 }
 
-const RobotData& robot_at_state(const SceneData& data, int robot) {
+// The island of that number, its terms evaluated at the state of the solution.
+IslandWork& evaluated(const Scene& scene, const SceneData& data, std::size_t island) {
+  internal::check_solved(scene, data, "views of a scene's data");
+  internal::prepare_islands(scene, data);
+  IslandWork& d = *data.workspace->islands.at(island);
+  if (internal::joint_space_fits(d))
+    internal::evaluate_at_state(scene, data, d);
+  else
+    (void)d.bodies->make_current(scene, data);
+  return d;
+}
+
+const RobotData& robot_at_state(const Scene& scene, const SceneData& data, int robot) {
   const Workspace& w = prepared(data);
-  (void)solver(data).robot_island.at(robot);
-  if (!internal::is_evaluated(w, robot)) not_there(data);
+  const int island = island_with_robot(data, robot);
+  if (!internal::is_evaluated(w, robot)) (void)evaluated(scene, data, static_cast<std::size_t>(island));
+  if (!internal::is_evaluated(w, robot)) not_there();
   return w.robots[robot];
+}
+
+// Evaluates a contact's rows, unless they are known at the state of the solution.
+void evaluate_rows(const Scene& scene, const SceneData& data, int contact) {
+  const Workspace& w = prepared(data);
+  const auto known = [&] { return w.rows_state.at(contact) == w.state && w.contacts.has(contact); };
+  if (known()) return;
+  (void)evaluated(scene, data, static_cast<std::size_t>(island_with_robot(data, scene.contacts[contact].A.robot)));
+  if (!known()) not_there();
 }
 
 const Linearisation& linearised(const SceneData& data, int contact) {
@@ -65,17 +85,18 @@ const SceneData& data_solved(const SceneData& data) {
   const Workspace& w = prepared(data);
   return w.reduction ? *w.reduction->data : data;
 }
-const IslandSupport& island_support_of(const SceneData& data, std::size_t i) {
+const IslandSupport& island_support_of(const Scene& scene, const SceneData& data, std::size_t i) {
+  internal::prepare_islands(scene, data);
   return prepared(data).islands.at(i)->shape->support();
 }
-const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i) {
-  const Workspace& w = prepared(data);
-  const MatrixSystem& matrix = w.islands.at(i)->matrix;
-  if (matrix.state != w.state) not_there(data);
-  return matrix.K;
+const KktMatrix& assembled_matrix_of(const Scene& scene, const SceneData& data, std::size_t i) {
+  IslandWork& d = evaluated(scene, data, i);
+  if (!d.matrix.has_terms()) not_there();
+  if (d.matrix.state != data.workspace->state) internal::assemble(scene, data, d.choice.order, scene.damping, d.matrix);
+  return d.matrix.K;
 }
-Eigen::SparseMatrix<double> kkt_matrix(const SceneData& data, std::size_t i) {
-  const KktMatrix& K = assembled_matrix_of(data, i);
+Eigen::SparseMatrix<double> kkt_matrix(const Scene& scene, const SceneData& data, std::size_t i) {
+  const KktMatrix& K = assembled_matrix_of(scene, data, i);
   const MatrixSystem& matrix = prepared(data).islands[i]->matrix;
   const KktPattern& p = *K.pattern;
   const auto unit = [&](int row) { return row < p.nv ? 1 : unit_of(matrix, row - p.nv); };
@@ -92,21 +113,26 @@ Eigen::SparseMatrix<double> kkt_matrix(const SceneData& data, std::size_t i) {
   return out;
 }
 
-const Kinematics<double>& robot_kinematics(const SceneData& data, int robot) { return robot_at_state(data, robot).kin; }
-std::span<const Inertia<double>> composite_inertias(const SceneData& data, int robot) {
-  return robot_at_state(data, robot).Yc;
+const Kinematics<double>& robot_kinematics(const Scene& scene, const SceneData& data, int robot) {
+  return robot_at_state(scene, data, robot).kin;
 }
-std::span<const double> joint_space_inertia(const SceneData& data, int robot) { return robot_at_state(data, robot).M; }
-const Eigen::VectorXd& bias_torques(const SceneData& data, int robot) { return robot_at_state(data, robot).h; }
-const ContactData<double>& contact_data(const SceneData& data, int contact) {
-  const Workspace& w = prepared(data);
-  if (w.rows_state.at(contact) != w.state || !w.contacts.has(contact)) not_there(data);
-  return w.contacts[contact];
+std::span<const Inertia<double>> composite_inertias(const Scene& scene, const SceneData& data, int robot) {
+  return robot_at_state(scene, data, robot).Yc;
 }
-const ContactSupport& contact_support(const SceneData& data, int contact) {
+std::span<const double> joint_space_inertia(const Scene& scene, const SceneData& data, int robot) {
+  return robot_at_state(scene, data, robot).M;
+}
+const Eigen::VectorXd& bias_torques(const Scene& scene, const SceneData& data, int robot) {
+  return robot_at_state(scene, data, robot).h;
+}
+const ContactData<double>& contact_data(const Scene& scene, const SceneData& data, int contact) {
+  evaluate_rows(scene, data, contact);
+  return prepared(data).contacts[contact];
+}
+const ContactSupport& contact_support(const Scene& scene, const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
-  if (!w.supports.has(static_cast<std::size_t>(contact)))
-    throw std::logic_error("views of a scene's data: no island has needed this contact's columns yet");
+  if (!w.supports.has(contact)) evaluate_rows(scene, data, contact);
+  if (!w.supports.has(contact)) not_there();
   return w.supports[contact];
 }
 

@@ -32,8 +32,8 @@ void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_
   a = at_a;
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Robot& robot = scene.robots[r];
-    motion[r] = robot_kinematics(solution, static_cast<int>(r));
-    const std::span<const Inertia<double>> Yc = composite_inertias(solution, static_cast<int>(r));
+    motion[r] = robot_kinematics(scene, solution, static_cast<int>(r));
+    const std::span<const Inertia<double>> Yc = composite_inertias(scene, solution, static_cast<int>(r));
     forward_accelerations<double>(*robot.model, v.segment(robot.idx_v, robot.model->nv), a.data() + robot.idx_v,
                                   scene.gravity, motion[r]);
     rnea_derivatives<double>(*robot.model, motion[r], {Yc.begin(), Yc.end()}, {}, terms[r]);

@@ -144,7 +144,6 @@ int run_export(const Arguments& arguments) {
   check_folder("--out", plan.folder, files_written(plan, island_count(data)), file.files);
   make_folder(plan.folder);
   (void)solve(file.scene, file.q, file.v, file.u, data);
-  complete(file.scene, data);
   if (plan.derivatives) (void)differentiate(file.scene, data);
   estimate_condition(file.scene, data);
 

@@ -18,15 +18,15 @@ void add_block(const Eigen::MatrixXd& block, int row, int column, Triplets& out)
 void add_inertia(const Scene& scene, const SceneData& data, int robot, int offset, Triplets& out) {
   const Model& model = *scene.robots[robot].model;
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(model.nv, model.nv);
-  unpack_inertia<double>(model, joint_space_inertia(data, robot).data(), M);
+  unpack_inertia<double>(model, joint_space_inertia(scene, data, robot).data(), M);
   add_block(M, offset, offset, out);
 }
 
 // Adds J and its transpose: columns of A's coordinates, then of B's.
 void add_rows(const Scene& scene, const SceneData& data, const Island& island, int contact, int row, Triplets& out) {
   const Contact& c = scene.contacts[contact];
-  const MatX<double>& J = contact_data(data, contact).J;
-  const ContactSupport& support = contact_support(data, contact);
+  const MatX<double>& J = contact_data(scene, data, contact).J;
+  const ContactSupport& support = contact_support(scene, data, contact);
   int j = 0;
   const auto add = [&](const std::vector<int>& columns, int first) {
     for (int i : columns) {
@@ -55,10 +55,10 @@ Eigen::VectorXd right_hand_side(const Scene& scene, const SceneData& data, const
   for (std::size_t k = 0; k < island.robots.size(); ++k) {
     const Robot& robot = scene.robots[island.robots[k]];
     b.segment(island.dof_offset[k], robot.model->nv) =
-        data.tau.segment(robot.idx_v, robot.model->nv) - bias_torques(data, island.robots[k]);
+        data.tau.segment(robot.idx_v, robot.model->nv) - bias_torques(scene, data, island.robots[k]);
   }
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
-    const auto& a0 = contact_data(data, island.contacts[k]).a0;
+    const auto& a0 = contact_data(scene, data, island.contacts[k]).a0;
     b.segment(island.nv + island.row_offset[k], a0.size()) = -a0;
   }
   return b;

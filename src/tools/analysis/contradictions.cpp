@@ -12,8 +12,8 @@ constexpr double kMissed = 1e-8;  // relative to the largest residual: contacts 
 // Returns the residual J a + a0 + delta f of a contact.
 Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {
   const Contact& contact = scene.contacts[c];
-  const ContactData<double>& rows = contact_data(data, c);
-  const ContactSupport& support = contact_support(data, c);
+  const ContactData<double>& rows = contact_data(scene, data, c);
+  const ContactSupport& support = contact_support(scene, data, c);
   Eigen::VectorXd r = rows.a0 + scene.damping * data.f.segment(data.f_offset[c], contact.rows());
   Eigen::Index k = 0;
   for (int i : support.a) r += rows.J.col(k++) * data.a[scene.robots[contact.A.robot].idx_v + i];
@@ -28,7 +28,6 @@ std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& d
   if (data.report.status < Status::kInconsistent) return out;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     if (data.report.islands[i].status != Status::kInconsistent) continue;
-    complete(scene, data);
     for (int c : solved_island(data, i).contacts) {
       const Eigen::VectorXd r = missed_by(scene, data, c);
       const Eigen::Index linear = std::min<Eigen::Index>(3, r.size());

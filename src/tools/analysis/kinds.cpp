@@ -27,12 +27,11 @@ Key key_of(const IslandRanks& ranks) {
 
 std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("find_kinds: solve first");
-  complete(scene, data);
   std::map<Key, std::size_t> seen;
   std::vector<IslandKind> kinds;
   for (std::size_t i = 0; i < island_count(data); ++i) {
     const IslandReport& r = data.report.islands[i];
-    IslandRanks ranks = internal::ranks_of_island(scene, data, i);
+    IslandRanks ranks = find_ranks(scene, data, i);
     Key key = key_of(ranks);
     key.insert(key.end(), {reinterpret_cast<long>(shape_of(data, i).get()), long(r.status), long(r.method),
                            long(r.order), long(r.reason), long(r.changed_order)});

@@ -25,13 +25,7 @@ bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
 }
-// Computes the input of row_remainders for all islands at once.
-void complete_judged(const Scene& scene, const SceneData& data) {
-  const auto& islands = data.report.islands;
-  if (std::ranges::any_of(islands, [&](const IslandReport& r) { return judged(scene, r); })) complete(scene, data);
-}
-
-// Computes the gap of one island, after complete.
+// Computes the gap of one island.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
@@ -71,13 +65,11 @@ void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal:
 
 RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island) {
   if (data.serial == 0) throw std::logic_error("rank_gap: solve first");
-  complete_judged(scene, data);
   return gap_of(scene, data, island);
 }
 
 std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data) {
   if (data.serial == 0) throw std::logic_error("rank_gaps: solve first");
-  complete_judged(scene, data);
   std::vector<RankGap> out;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) out.push_back(gap_of(scene, data, i));
   return out;
@@ -89,7 +81,6 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorR
   std::vector<NearDependent> out;
   std::optional<internal::AtRest> rest;
   const Eigen::VectorXd q = at;
-  complete_judged(scene, data);
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) {
     if (!judged(scene, data.report.islands[i])) continue;
     const auto [left, dependent] = internal::row_remainders(scene, data, i);

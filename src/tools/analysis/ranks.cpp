@@ -28,7 +28,9 @@ struct Examined {
   const IslandSupport& support;
 
   const Contact& contact(int position) const { return scene.contacts[island.contacts[position]]; }
-  const ContactData<double>& numbers(int position) const { return contact_data(data, island.contacts[position]); }
+  const ContactData<double>& numbers(int position) const {
+    return contact_data(scene, data, island.contacts[position]);
+  }
   /// Positions of all contacts; empty if the island is too deep for rows in joint space.
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
@@ -247,14 +249,9 @@ double rank_all(const Examined& x, std::size_t number, const std::vector<int>& a
 }  // namespace
 
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
-  complete(scene, data);
   if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
-  return internal::ranks_of_island(scene, data, number);
-}
-
-IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = solved_island(data, number);
-  const Examined x{scene, data, island, island_support_of(data, number)};
+  const Examined x{scene, data, island, island_support_of(scene, data, number)};
   IslandRanks out;
   const std::vector<int> all = x.all();
   if (all.size() != island.contacts.size()) return out;
@@ -273,7 +270,7 @@ IslandRanks internal::ranks_of_island(const Scene& scene, const SceneData& data,
 
 internal::RowRemainders internal::row_remainders(const Scene& scene, const SceneData& data, std::size_t number) {
   const Island& island = solved_island(data, number);
-  const Examined x{scene, data, island, island_support_of(data, number)};
+  const Examined x{scene, data, island, island_support_of(scene, data, number)};
   const std::vector<int> all = x.all();
   if (all.size() != island.contacts.size()) return {};
   return remainders_of(scene, data.report.islands[number], rows_of(x, all));

@@ -84,7 +84,7 @@ struct DataCollector {  // The data that residuals depend on.
 
   /// The kinematics of a robot at the x of the last calc.
   const Kinematics<double>& kinematics(int robot) const {
-    return impact ? impact->motion[static_cast<std::size_t>(robot)] : robot_kinematics(solution, robot);
+    return impact ? impact->motion[static_cast<std::size_t>(robot)] : robot_kinematics(scene, solution, robot);
   }
   /// The data of the contact model on this frame; if there are several, of the one with this name. Throws
   /// std::invalid_argument if there is none, or if there are several and no name is given.

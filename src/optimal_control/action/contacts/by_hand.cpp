@@ -290,7 +290,7 @@ void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) 
   const Eigen::VectorXd rest = Eigen::VectorXd::Zero(m.scene.nv);
   for (std::size_t r = 0; r < motion.size(); ++r) {
     const Robot& robot = m.scene.robots[r];
-    const std::span<const Inertia<double>> Yc = composite_inertias(m.solution, static_cast<int>(r));
+    const std::span<const Inertia<double>> Yc = composite_inertias(m.scene, m.solution, static_cast<int>(r));
     forward_accelerations<double>(*robot.model, rest.segment(robot.idx_v, robot.model->nv), m.v.data() + robot.idx_v,
                                   Vec3<double>::Zero(), motion[r]);
     rnea_derivatives<double>(*robot.model, motion[r], {Yc.begin(), Yc.end()}, {}, terms[r]);

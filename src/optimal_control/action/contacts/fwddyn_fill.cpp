@@ -34,8 +34,8 @@ void fill_contacts(DataCollector& m) {
   for (auto& [name, data] : m.contacts->contacts) {
     if (!data->active) continue;
     const Contact& contact = m.scene.contacts[data->index];
-    const ContactData<double>& rows = contact_data(m.solution, data->index);
-    each_column(columns_of(m.scene, contact), contact_support(m.solution, data->index),
+    const ContactData<double>& rows = contact_data(m.scene, m.solution, data->index);
+    each_column(columns_of(m.scene, contact), contact_support(m.scene, m.solution, data->index),
                 [&](int to, int k) { data->Jc.col(to) = rows.J.col(k); });
     data->a0 = rows.a0;
     data->f = m.solution.f.segment(m.solution.f_offset[data->index], contact.rows());
@@ -52,7 +52,7 @@ void fill_contact_derivatives(bool forces, DataCollector& m) {
     } else {
       const ContactData<double>& rows = contact_at_solution(m.solution, data->index);
       const ContactDerivatives& d = contact_derivatives(m.solution, data->index);
-      set_drift_derivatives(columns_of(m.scene, contact), contact_support(m.solution, data->index), rows, d,
+      set_drift_derivatives(columns_of(m.scene, contact), contact_support(m.scene, m.solution, data->index), rows, d,
                             data->da0_dx);
     }
     if (!forces) continue;

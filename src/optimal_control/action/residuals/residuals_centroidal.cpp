@@ -71,7 +71,7 @@ void ResidualModelCoMPosition::fill_blocks(ResidualDataAbstract& data, const Con
   for (int r = first_; r < last_; ++r) {
     const Model& model = *shared.scene.robots[r].model;
     const Kinematics<double>& kin = shared.kinematics(r);
-    const std::span<const Inertia<double>> Yc = composite_inertias(shared.solution, r);
+    const std::span<const Inertia<double>> Yc = composite_inertias(shared.scene, shared.solution, r);
     for (int i = 0; i < model.nv; ++i)
       data.blocks[0].Rx.col(column++) = moved_mass(Yc[model.dof_joint[i]], kin.J.col(i)) / mass_;
   }
@@ -110,7 +110,7 @@ void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, co
   for (int r = first_; r < last_; ++r) {
     const Model& model = *d.shared->scene.robots[r].model;
     const Kinematics<double>& kin = d.shared->kinematics(r);
-    const std::span<const Inertia<double>> composite = composite_inertias(d.shared->solution, r);
+    const std::span<const Inertia<double>> composite = composite_inertias(d.shared->scene, d.shared->solution, r);
     for (int i = 0; i < model.nv; ++i, ++column) {
       const int joint = model.dof_joint[i], parent = model.joints[joint].parent;
       const Eigen::Vector3d c = d.c - kin.origin(joint);

@@ -45,8 +45,8 @@ void add_force_part(GravityData& d, std::size_t i) {
   const PanelView panel = d.shared->panel(i);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const Contact& contact = d.shared->scene.contacts[island.contacts[k]];
-    const Eigen::MatrixXd& J = contact_data(d.shared->solution, island.contacts[k]).J;
-    const ContactSupport& support = contact_support(d.shared->solution, island.contacts[k]);
+    const Eigen::MatrixXd& J = contact_data(d.shared->scene, d.shared->solution, island.contacts[k]).J;
+    const ContactSupport& support = contact_support(d.shared->scene, d.shared->solution, island.contacts[k]);
     const auto above_A = static_cast<Eigen::Index>(support.a.size());
     const auto df = panel.middleRows(island.nv + island.row_offset[k], J.rows());
     for (Eigen::Index c = 0; c < J.cols(); ++c) {

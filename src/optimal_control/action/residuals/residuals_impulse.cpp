@@ -34,7 +34,7 @@ void ResidualModelImpulseCoM::evaluate(ResidualDataAbstract& data, const ConstVe
   d.w = shared.impact->vnext - x.tail(shared.scene.nv);
   for (int r = first_; r < last_; ++r) {
     const Robot& robot = shared.scene.robots[r];
-    const std::span<const Inertia<double>> Yc = composite_inertias(shared.solution, r);
+    const std::span<const Inertia<double>> Yc = composite_inertias(shared.scene, shared.solution, r);
     for (int i = 0; i < robot.model->nv; ++i)
       d.Jcom.col(robot.idx_v + i) = (Yc[robot.model->dof_joint[i]] * shared.kinematics(r).J.col(i)).head<3>() / mass_;
   }
@@ -54,7 +54,7 @@ void ResidualModelImpulseCoM::fill_blocks(ResidualDataAbstract& data, const Cons
     const Robot& robot = shared.scene.robots[r];
     const Model& model = *robot.model;
     const Kinematics<double>& kin = shared.kinematics(r);
-    const std::span<const Inertia<double>> Yc = composite_inertias(shared.solution, r);
+    const std::span<const Inertia<double>> Yc = composite_inertias(shared.scene, shared.solution, r);
     std::vector<Vec6<double>>&v = d.v[r], &h = d.h[r];
     for (int j = 0; j < model.njoints(); ++j) {
       const Joint& joint = model.joints[j];

@@ -11,10 +11,10 @@ namespace manycontact {
 
 /// Returns the island's trees and contacts with their analyses. Throws as views.hpp does.
 const std::shared_ptr<IslandShape>& shape_of(const SceneData& data, std::size_t i);
-/// Returns the coordinates of J's columns for each contact of solved_island; call it after complete.
-const IslandSupport& island_support_of(const SceneData& data, std::size_t i);
+/// Returns the coordinates of J's columns for each contact of solved_island.
+const IslandSupport& island_support_of(const Scene& scene, const SceneData& data, std::size_t i);
 /// Returns K of an island as solved last, in the chosen order or, if report.changed_order, leaf-to-root.
-const KktMatrix& assembled_matrix_of(const SceneData& data, std::size_t i);
+const KktMatrix& assembled_matrix_of(const Scene& scene, const SceneData& data, std::size_t i);
 /// Return the scene and data that are actually solved: the reduced ones if contacts between the same two bodies are
 /// reduced (Options::reduce_pairs), else the arguments. shape_of and chosen_method refer to their islands.
 const Scene& scene_solved(const Scene& scene, const SceneData& data);

@@ -78,11 +78,8 @@ struct RowRemainders {
   double dependent = tolerance::kRank;  // remainders up to this one are dependent rows; it is
                                         // chosen such that their number is that of the solve
 };
-/// Computes the remainders by two passes of dense Gram-Schmidt. Call complete (dynamics/views.hpp) before.
+/// Computes the remainders by two passes of dense Gram-Schmidt. Call solve before.
 RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
-
-/// Computes find_ranks of one island. Call complete before, which processes the whole scene.
-IslandRanks ranks_of_island(const Scene& scene, const SceneData& data, std::size_t island);
 
 }  // namespace internal
 
