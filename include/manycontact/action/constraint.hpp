@@ -155,8 +155,8 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   std::size_t get_ng() const { return ng_; }                                  // active inequality constraints
   std::size_t get_nh() const { return nh_; }                                  // active equality constraints
   std::size_t get_ng_T() const { return ng_T_; }                              // inequality constraints, terminal node
-  std::size_t get_nh_T() const { return nh_T_; }             // equality constraints in a terminal node
-  const Eigen::VectorXd& get_lb() const { return lb_; }      // lower bounds (ng)
+  std::size_t get_nh_T() const { return nh_T_; }                              // equality constraints in a terminal node
+  const Eigen::VectorXd& get_lb() const { return lb_; }                       // lower bounds (ng)
   const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
   const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // lower bounds of a terminal node's g (ng_T)
   const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g

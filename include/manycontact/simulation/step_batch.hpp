@@ -22,7 +22,7 @@ struct SimulationBatch {
                   int threads = 0, const Options& options = {});
 
   // These members are set by the caller, between steps, and apply to all states.
-  std::vector<char> active;          // one flag per contact; initially as in the scene. A change causes no impact
+  std::vector<char> active;            // one flag per contact; initially as in the scene. A change causes no impact
   std::vector<Vec6<double>> wrenches;  // one wrench per external wrench of the scene; initially as there [N, N m]
   double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
   Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty

@@ -157,8 +157,7 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
   if (!options.order && bodies_are_cheaper(shape, cost_ldl(shape, choice.order)))
-    return {Method::kSparseBodies,
-            choice.order};  // the order is for the whole K, which serves as a fallback
+    return {Method::kSparseBodies, choice.order};  // the order is for the whole K, which serves as a fallback
   return choice;
 }
 

@@ -118,8 +118,7 @@ sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, 
 
 // Returns CAMD's order, constrained to eliminate the joints before the contacts.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
-  if (island.nv == 0)
-    return sparse::camd_order(K, {});  // CAMD refuses constraint sets of which the first is empty
+  if (island.nv == 0) return sparse::camd_order(K, {});  // CAMD refuses constraint sets of which the first is empty
   std::vector<int> set(island.size(), 0);
   std::fill(set.begin() + island.nv, set.end(), 1);
   if (island.robots.size() <= 2) return sparse::camd_order(K, set);

@@ -228,7 +228,7 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
     null_columns(s, of_M, Lx, dropped, rows);
     Errors before, error = dependence_residuals(K, Kx, of_M, row_scale, rows);
     before.fill(std::numeric_limits<double>::infinity());
-    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {  // as in sparse/refine.hpp, column by column
+    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {  // refines each column as sparse/refine.hpp does
       std::array<bool, kColumns> which{};
       for (int c = 0; c < kColumns; ++c) which[c] = error[c] > tolerance::kNullColumn && error[c] < 0.5 * before[c];
       if (std::ranges::count(which, true) == 0) break;

@@ -34,7 +34,7 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
 
 // Lists the rows of K in which a cluster's columns of N have entries: first the dropped rows, then the kept ones.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
-  constexpr int kListed = -2;  // in rows.owner
+  constexpr int kListed = -2;  // marks a row in rows.owner
   std::vector<int>& all = rows.cluster_rows;
   cluster.row = static_cast<int>(all.size());
   for (int a = 0; a < cluster.count; ++a) all.push_back(rows.Ni[rows.Np[rows.members[cluster.first + a]]]);

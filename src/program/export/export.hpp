@@ -26,7 +26,7 @@ struct ExportedSystem {
 /// Returns the options for an export's solve: every contact keeps its own rows, and every robot its own results.
 Options export_options();
 
-/// Returns the system of an island after a solve with export_options and `complete`. With derivatives, also after
+/// Returns the system of an island after a solve with export_options. With derivatives, also after
 /// differentiate, whose solution `dx` defines db = K dx; entries below the rounding errors of that product are zero. db
 /// is empty if the derivatives are not finite.
 ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool derivatives);

@@ -2,7 +2,6 @@
 #include "columns.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 
-
 namespace manycontact::internal {
 
 namespace {

@@ -35,9 +35,9 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
 
 /// Constant data shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
-  Scene scene;    // one such robot and its contacts: first those on it alone, then those that couple it
+  Scene scene;  // one such robot and its contacts: first those on it alone, then those that couple it
   Island island;
-  int alone = 0;  // number of contacts on it alone
+  int alone = 0;                              // number of contacts on it alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
   std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
   sparse::LdlSchedule bordered;               // schedule of all columns but the border's, if there is one

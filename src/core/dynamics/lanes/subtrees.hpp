@@ -33,7 +33,7 @@ class SubtreeBatch {
   struct Subtree {
     const BodySystem* system;  // not damped
     BodySolve* solution;       // solution of b: x.joints, x.rows, x.force of the bases, and the largest residuals
-    bool sound;  // set by solve; false: another system must solve, and all other results are undefined
+    bool sound;                // set by solve; false: another system must solve, and all other results are undefined
     int factor_nonzeros;
     sparse::Refinement refinement;
   };

@@ -298,7 +298,7 @@ class RobotBlock final
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
   std::vector<S> inverse_;
-  std::vector<double> Lx_, Dx_, Kx_;      // one robot's L, D, K
+  std::vector<double> Lx_, Dx_, Kx_;  // one robot's L, D, K
   std::vector<Piece> pieces_;
   std::vector<double> work_;              // solutions of a band, chunk by chunk; scratch of solve_refined
   double rounding_;                       // sparse::ldl_rounding

@@ -37,7 +37,7 @@ struct RobotsDerivatives {
     std::vector<Columns> sampled;                        // columns of the sample, in its panel
     std::vector<lanes::Sampled> copied;                  // sampled columns that SIMD batches copy
     int ld = 0;                                          // leading dimension of P and H
-    AlignedPanel P;            // K_r^-1 [E_r, B_r], with forces f, not -f
+    AlignedPanel P;                                      // K_r^-1 [E_r, B_r], with forces f, not -f
     std::vector<double> G;     // G_r^T, nv x padded
     std::vector<double> H;     // G_r P
     std::vector<double> T;     // T_r^T in rows of accelerations, -T_r^T in rows of forces; by rows of G_r, padded

@@ -27,8 +27,8 @@ struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
   std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // used for single-robot islands, if options request it
-  std::vector<int> islands;  // scratch of a call: islands to solve with this plan
-  double seconds = 0;        // predicted for one robot alone
+  std::vector<int> islands;                                    // scratch of a call: islands to solve with this plan
+  double seconds = 0;                                          // predicted for one robot alone
 };
 
 /// Contacts that couple two robots, identical except for placements and gains.

@@ -8,7 +8,7 @@
 namespace manycontact {
 
 template <class S>
-struct AbaData {                         // Scratch of aba; allocate it once per robot.
+struct AbaData {  // Scratch of aba; allocate it once per robot.
   explicit AbaData(const Model& model);
   std::vector<Mat6<S>> IA;               // njoints: articulated inertia
   std::vector<Vec6<S>> pA;               // njoints: articulated bias force

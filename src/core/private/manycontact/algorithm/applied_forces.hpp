@@ -24,9 +24,9 @@ struct AppliedForces {
   struct OfRobot {                                    // a robot with wrenches, springs or joint springs
     int robot = -1;                                   // number in the scene
     std::vector<int> wrenches, springs, joint_springs;  // forces on it; springs: with end A on it
-    std::vector<int> joints;  // ascending: bodies with forces, and their ancestors
-    Kinematics<S> kin;        // velocities too; unused for robots with only joint springs
-    std::vector<Vec6<S>> f;   // njoints, set for `joints`: force on the body; after add_applied_forces on its subtree
+    std::vector<int> joints;                            // ascending: bodies with forces, and their ancestors
+    Kinematics<S> kin;                                  // velocities too; unused for robots with only joint springs
+    std::vector<Vec6<S>> f;  // njoints, set for `joints`: force on the body; after add_applied_forces on its subtree
   };
   struct OfSpring {
     Vec3<S> d, n;   // vector from B to A in the world, and its direction

@@ -8,7 +8,7 @@ namespace manycontact {
 /// The start of a step of h [s], for a scene at rest (simulation/step.hpp).
 struct StartOfStep {
   const double *v, *stop;  // scene.nv: velocities, and the acceleration that stops them within the step
-  Vec3<double> gravity;  // gravity, which the scene at rest does not have
+  Vec3<double> gravity;    // gravity, which the scene at rest does not have
   double h;
   double* contact_v;  // output, rows as Solution::f: J a, velocities of the contact rows after the step
 };

@@ -23,8 +23,8 @@ struct StaticTorque {
   Eigen::VectorXd l, wq, wv;                       // nv: scratch; l is zero between uses
 };
 
-/// Sets s.tau (nv), with data.wrenches and, if `contacts`, contact forces, after update_kinematics at q (nq) or a solve,
-/// which contact forces need.
+/// Sets s.tau (nv), with data.wrenches and, if `contacts`, contact forces, after update_kinematics at q (nq) or a
+/// solve, which contact forces need.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
 /// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space, with f constant in each contact's frame. Call it

@@ -55,12 +55,12 @@ struct DependentRows {
   // scratch
   std::vector<double> least, terms, x, panel, t;
   std::vector<int> owner;
-  static constexpr int kColumns = 8;  // of panels, which have a row for each row of K
+  static constexpr int kColumns = 8;  // columns of panels, which have a row for each row of K
   std::vector<double> N, residual;    // panels: some columns of N, and J^T times these; zero but in the rows listed
   std::vector<int> of_N, touched;     // rows of N, and of residual
   std::vector<char> met;              // flags of the rows listed
-  std::vector<int> Jp, Ji;  // entries of row k of J, from Jp[k] on: K's slots, and columns in later rows of M
-  bool M_first = true;      // whether no row of M follows a row of J
+  std::vector<int> Jp, Ji;            // entries of row k of J, from Jp[k] on: K's slots, and columns in later rows of M
+  bool M_first = true;                // whether no row of M follows a row of J
 };
 
 /// Sets least (n), the pivots required relative to their terms: a row of J waits if its pivot or the row itself does
