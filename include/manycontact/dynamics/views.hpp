@@ -20,8 +20,9 @@ namespace manycontact {
 
 /// Whether the current islands are those of data.active and data.options.
 bool is_prepared(const SceneData& data);
-/// The islands of data.report.islands, by number. Call these functions after prepare or solve.
+/// The number of islands, as in data.report.islands. Call it after prepare or solve.
 std::size_t island_count(const SceneData& data);
+/// The robots and contacts of island i. Call it after prepare or solve.
 const Island& solved_island(const SceneData& data, std::size_t i);
 /// The number of the island that contains a robot of the scene.
 int island_with_robot(const SceneData& data, int robot);

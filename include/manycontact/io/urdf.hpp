@@ -44,6 +44,7 @@ struct UrdfOptions {           // Properties of a robot that are not in its file
 
 /// Thrown if the options do not fit the robot: `joint` is unknown or fixed, or has several coordinates, ...
 struct UrdfOptionError : std::invalid_argument {
+  /// Makes an error with what() == message.
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
       : std::invalid_argument(message), joint(std::move(joint_)), lock(lock_) {}
   std::string joint;

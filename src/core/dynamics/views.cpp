@@ -49,7 +49,7 @@ void evaluate_rows(const Scene& scene, const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   const auto known = [&] { return w.rows_state.at(contact) == w.state && w.contacts.has(contact); };
   if (known()) return;
-  (void)evaluated(scene, data, static_cast<std::size_t>(island_with_robot(data, scene.contacts[contact].A.robot)));
+  (void)evaluated(scene, data, static_cast<std::size_t>(island_with_robot(data, robot_of(scene.contacts[contact]))));
   if (!known()) not_there();
 }
 
