@@ -378,7 +378,7 @@ constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; li
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
-  bool extended;  // whether the bound is that of an extended solution
+  bool extended;  // whether the solution has the precision `extended`
   // Bounds the error by the distance to the refined x plus the error of x. The latter is a multiple of the last
   // correction, and a share of the bound from |K^-1|. Values that underflow have no second double: min() covers them.
   double error() const {
