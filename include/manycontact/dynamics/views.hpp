@@ -5,7 +5,7 @@
 //
 // Functions that take the scene evaluate terms that the solver left out, at the cost of evaluating one island, or of
 // assembling its K: SIMD batches (`Options::simd_level`) keep accelerations and forces alone. They are thread-safe only
-// where the terms are there. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
+// if these terms exist already. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>

@@ -26,7 +26,8 @@ Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory&
   const int number = robot - bodies.first();
   const std::span<const Robot> robots = bodies.robots();
   if (number < 0 || number >= static_cast<int>(robots.size()))
-    throw std::invalid_argument(std::string(function) + ": robot " + std::to_string(robot) + " is not among these");
+    throw std::invalid_argument(std::string(function) + ": robot " + std::to_string(robot) +
+                                " is not one of these robots");
   const Robot* out = &robots[static_cast<std::size_t>(number)];
   if (joint < -1 || joint >= out->model->njoints())
     throw std::invalid_argument(std::string(function) + ": robot '" + out->name + "' has no joint " +

@@ -89,7 +89,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 
 // Differentiates an island outside SIMD batches: robot by robot where that is cheaper, else by the system that solved
 // it or by the whole K. After sparse-bodies the whole K is tried first if it is not too large for the dense reference
-// solver: bodies solve column by column, which takes 4 to 70 times as long as K's sparse factor.
+// solver: sparse-bodies solves column by column, which takes 4 to 70 times as long as K's sparse factor.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

@@ -75,7 +75,7 @@ void add_row(double factor, const double* x, double* y) {
   sum.store(y);
 }
 
-// Makes the listed rows of a panel zero, and forgets them.
+// Sets the listed rows of a panel to zero, and clears the list.
 void clear(std::vector<double>& panel, std::vector<int>& listed, DependentRows& rows) {
   for (int k : listed) {
     rows.met[k] = 0;
@@ -119,7 +119,7 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
   const auto each = [&](auto&& use) {
-    bool any = false;  // rows of J so far
+    bool any = false;  // whether a row of J precedes
     for (int k = 0; k < K.n; ++k) {
       any = any || !of_M[k];
       for (int p = K.p[k]; any && of_M[k] && p < K.p[k + 1]; ++p)
@@ -137,13 +137,13 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// Columns e_k - z of N, with L^T z = l_k over the rows of J before k, for as many dropped rows k as a panel has
-// columns.
+// Computes columns e_k - z of N in the panel rows.N, with L^T z = l_k over the rows of J before k, for up to kColumns
+// dropped rows k.
 void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
   for (std::size_t c = 0; c < dropped.size(); ++c) row_of(rows.N, dropped[c])[c] = -1, rows.met[dropped[c]] = 1;
-  int first = least;  // no row before it is met
+  int first = least;  // rows before it are zero
   for (int j = last; j >= first; --j) {
     if (!rows.met[j]) continue;
     double* n = row_of(rows.N, j);  // -n_j so far
@@ -171,7 +171,7 @@ void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, cons
 void refine_columns(std::span<const char> of_M, std::span<const int> dropped, const std::array<bool, kColumns>& which,
                     const SolvePanel& solve, DependentRows& rows) {
   const int n = static_cast<int>(of_M.size());
-  std::array<int, kColumns> end{};  // the rows before it may have entries
+  std::array<int, kColumns> end{};  // column c may have entries in rows before end[c]
   for (std::size_t c = 0; c < dropped.size(); ++c)
     end[c] = !which[c] ? 0 : is_turned(rows, dropped[c]) ? n : dropped[c];
   rows.x.assign(static_cast<std::size_t>(n) * kColumns, 0.0);
@@ -190,7 +190,7 @@ void refine_columns(std::span<const char> of_M, std::span<const int> dropped, co
   }
 }
 
-// Appends the panel's columns to N.
+// Appends the columns in the dense panel rows.N to the sparse N (Np, Ni, Nx).
 void append_columns(std::span<const int> dropped, DependentRows& rows) {
   std::ranges::sort(rows.of_N, std::greater<>());
   for (std::size_t c = 0; c < dropped.size(); ++c) {

@@ -48,7 +48,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// The basis [Z; 1] of a cluster's complement, with one column for each of its kept rows.
+// Computes B of a cluster as the basis [Z; 1] of the complement of its columns [1; -Z] of N: one column per kept row.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // position of the next entry in the column of each kept row
@@ -95,7 +95,7 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
 }
 
 // Computes an orthonormal basis of N's columns, dense in the cluster's rows, by Gram-Schmidt twice, largest remainder
-// first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). An error J^T n grows by the ratio of column to remainder.
+// first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). An error J^T n grows by |column| / |remainder|.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -156,7 +156,7 @@ void make_clusters(int n, DependentRows& rows) {
       if (of >= 0 && of != joined) sets.join(joined = of, c);
     }
   }
-  constexpr std::size_t kReserved = 64 * 64;  // clusters vary with rounding errors, and memory must not
+  constexpr std::size_t kReserved = 64 * 64;  // constant: clusters vary with rounding errors, memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
   rows.cluster_rows.clear();
@@ -257,8 +257,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// Calls use(cluster) for each cluster, twice for orthonormal bases: they have kept rows so small that their part of the
-// null space is large, and the second call removes the rounding errors of the first.
+// Calls use(cluster) for each cluster, twice for orthonormal bases: their kept rows are so small that entries of N are
+// large, and the second call removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)

@@ -42,8 +42,8 @@ void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, i
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
-// Computes the scale 1 / sqrt(terms) of each waiting row. Its pivot's terms are those by K1's rows before it, and J_i^2
-// / M_ii of later rows of M. A row of J that consists of rounding errors gets the scale 0, and does not join.
+// Computes the scale 1 / sqrt(terms) of each waiting row. The terms of its pivot are those of K1's rows before it, and
+// J_i^2 / M_ii for later rows i of M. A row of J that consists of rounding errors gets the scale 0, and does not join.
 void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                  const double* row_size, const double* Lx, const double* D, WaitingRows& w) {
   std::vector<double>&terms = w.scale, &largest = w.largest;

@@ -178,7 +178,7 @@ Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, co
   for (Index i = 0; i < size; ++i) right.row(policy.lu.permutationP().indices()[i]) = -both.col(i).transpose();
   policy.lu.matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(right);
   policy.lu.matrixLU().triangularView<Eigen::Upper>().solveInPlace(right);
-  add_lower_AB(policy.P, 1, both, right);  // P = Qxx + [Qxv C^T] [K; K']
+  add_lower_AB(policy.P, 1, both, right);  // P = Qxx + Qxv K + C^T K' (riccati.hpp)
   return Status::kOk;
 }
 

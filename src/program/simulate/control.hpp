@@ -15,8 +15,8 @@ class TimeTable {
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Sets the coordinates that have a column to their values at t: those of the last row that is not later, and none
-  /// before the first row. With `between`, values are interpolated between rows, and constant before the first one.
+  /// Sets the coordinates that have a column to the values of the last row up to t; does nothing before the first row.
+  /// With `between`, values are interpolated between rows, and constant before the first one.
   void at(double t, bool between, Eigen::VectorXd& x) const;
   /// Computes the slopes of the interpolation at t, by column: 0 before the first row and from the last on.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;

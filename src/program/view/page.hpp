@@ -1,5 +1,5 @@
 #pragma once
-// The parts of the page, which the build embeds in the program, and the data that they show.
+// The parts of the viewer's HTML page, which the build embeds in the program, and the data that the page shows.
 
 #include <string>
 #include <string_view>
@@ -23,7 +23,7 @@ std::string base64_of(const std::vector<T>& list);
 /// Returns the robots, their bodies' shapes and the meshes. Lists missing files in `notes`, mesh files in `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
-/// Adds the last state as a frame.
+/// Records the last state as a frame, if it is not one yet.
 void finish(Recording& recording);
 
 }  // namespace manycontact::cli

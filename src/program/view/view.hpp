@@ -1,5 +1,5 @@
 #pragma once
-// Common parts of `manycontact view`, `simulate --view`, `optimize --view`: a motion recorded by frames, and its page.
+// Common code of `manycontact view`, `simulate --view`, `optimize --view`: recordings of motions, and their page.
 
 #include <optional>
 
@@ -31,18 +31,18 @@ struct Recording {
   std::vector<double> friction;  // one entry per contact: coefficient of the cone drawn, the contact's mu; 0: none
 
   // These members have entries for each frame.
-  std::vector<double> t;                              // s
-  std::vector<float> kinetic, potential;              // J
+  std::vector<double> t;                                      // s
+  std::vector<float> kinetic, potential;                      // J
   std::vector<float> violation_position, violation_velocity;  // constraint violations [m, rad], [m/s, rad/s]
-  std::vector<float> positions;                       // 3 per body, m: bodies of all robots, in their order
-  std::vector<std::int16_t> quaternions;              // 4 per body, x y z w times 32767
-  std::vector<std::int32_t> islands;                  // one per robot: the first robot of its island
-  std::vector<float> points, normals, forces;         // 3 per contact, in the world: A's origin, the contact's
-                                                      // normal, the force on A [N], NaN: unknown
-  std::vector<float> held;                            // 6 per contact: B' and the frame that B is attached to
-  std::vector<float> wrenches, springs;               // 6 per external wrench, in the world: point of application,
-                                                      // force [N]; 6 per spring: its ends
-  std::vector<std::uint8_t> flags;                    // one per contact: kActive | kRedundant | kShared
+  std::vector<float> positions;                               // 3 per body, m: bodies of all robots, in their order
+  std::vector<std::int16_t> quaternions;                      // 4 per body, x y z w times 32767
+  std::vector<std::int32_t> islands;                          // one per robot: the first robot of its island
+  std::vector<float> points, normals, forces;                 // 3 per contact, in the world: A's origin, the contact's
+                                                              // normal, the force on A [N], NaN: unknown
+  std::vector<float> held;                                    // 6 per contact: B' and the frame that B is attached to
+  std::vector<float> wrenches, springs;  // 6 per external wrench, in the world: point of application,
+                                         // force [N]; 6 per spring: its ends
+  std::vector<std::uint8_t> flags;       // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
   // workspace

@@ -94,7 +94,7 @@ class AtRest {
   /// without a solution get NaN, and the result is false. With damping: min x^T M x + |J x - wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
-    // alpha = 1 adds the errors to a0, which `wanted` must cancel
+    // alpha = 1 puts the placement errors into a0; their addition here cancels them
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);
     x = data_.a;

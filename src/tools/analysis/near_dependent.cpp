@@ -17,7 +17,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostUnasked = 1e9;  // most multiplications for one island
+constexpr double kMostUnasked = 1e9;  // most multiplications for an island that is examined
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 // Whether an island's rows are examined: it is undamped, solved, and not too large.

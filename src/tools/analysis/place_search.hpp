@@ -54,7 +54,7 @@ class PlaceSearch {
   bool out_of_steps_ = false;
   double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // q of J_; bounds of a step from it
+  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from there
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

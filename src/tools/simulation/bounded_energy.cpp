@@ -211,8 +211,8 @@ void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   d.work.springs += e.kinetic.sum() + e.at_end.all.sum() - first;
 }
 
-// Computes the most energy that springs can contain after another step: twice their energy if their ends continue to
-// move as in this step, of which the step's equations leave a part.
+// Computes the most energy that springs can contain after another step: twice the energy of their stretch if the ends
+// continue to move as in this step, reduced by the damping of the implicit step.
 void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
   const ResistingSprings& s = *d.resisting->springs;
   most.setZero(scene.nrobots());

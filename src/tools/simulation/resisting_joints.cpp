@@ -54,7 +54,7 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 
 }  // namespace
 
-// Equal robots share a model, unless friction changes its inertias between solves.
+// Returns the scene with inertias added. Equal robots share a model, unless friction changes inertias between solves.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;

@@ -12,7 +12,7 @@ namespace manycontact {
 /// Axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for point feet that tilt), or B'.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
-/// The common base: r = B f - b. In the contact's axes B, b change only with the reference; in other axes they rotate.
+/// Base class: r = B f - b. In the contact's axes, B and b depend only on the reference; in other axes on q, too.
 class ContactResidual : public FrameResidual {
  public:
   /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.

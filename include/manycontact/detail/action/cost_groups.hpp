@@ -1,5 +1,5 @@
 #pragma once
-// Blocks of residuals with the same columns: their Gauss-Newton Hessians sum w Rx^T Arr Rx, ... are one product.
+// Groups of residual blocks with the same columns: one product gives the sum of their Hessians w Rx^T Arr Rx, ...
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace manycontact {
 
 struct CostDataAbstract;
 
-/// Blocks with the same columns.
+/// Blocks of residuals whose Jacobians have the same columns.
 struct CostGroup {
   std::vector<int> xcols, ucols;
   /// One block of the group.

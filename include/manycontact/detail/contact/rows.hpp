@@ -105,7 +105,7 @@ Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
 
-/// Computes joint_lever for the joints above one end; `support` is that of the contact.
+/// Computes joint_lever for the joints above one end. support: ContactSupport::a or b.
 template <class S>
 S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<int>& support) {
   using std::abs;

@@ -24,24 +24,24 @@ inline constexpr double kRank = 1e-11;
 /// Units of eps of the scalar in use (double, quadruple): the error of a sum of six to eight products of 2 eps each.
 inline constexpr int kRounding = 16;
 
-/// Pivots of a damped K, in the same units: below, the damping counts as lost (status regularised). A pivot of c eps of
-/// its terms gives the forces a relative error of 1/c, which is below 1 % above this.
+/// Pivots of a damped K, in the same units: below this, the damping counts as lost (status regularised). A pivot of c
+/// eps of its terms gives the forces a relative error of 1/c, which is below 1 % above this.
 inline constexpr int kDampingRounding = 100 * kRounding;
 
 /// sparse-bodies: pivot of a contact row relative to its pivot if its body were free: E_kk / sum_j (G_kj^2 / P_jj). A
-/// row is eliminated once the joints below have given it that much; the body's inertia then grows by at most the
+/// row is eliminated at the first body where its pivot exceeds this; the body's inertia then grows by at most the
 /// inverse. More growth loses later rows' digits: loops along thousands of links need a large value; waiting is slow.
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding error of such a pivot relative to all that joints contributed, times its growth (factorize_bodies): 450
 /// eps. Rows with smaller pivots, or pivots below kPivotLeft, are redundant.
 inline constexpr double kRowRounding = 1e-13;
 
-/// sparse-bodies: entry of J relative to the magnitudes of the products it sums: above, the row certainly moves that
-/// coordinate, and no other entry needs a check.
+/// sparse-bodies: entry of J relative to the magnitudes of the products it sums: above this, the row certainly moves
+/// that coordinate, and no other entry needs a check.
 inline constexpr double kPlainlyMoves = 1e-3;
 
 /// sparse-bodies: part of a row orthogonal to the rows before it on the same constrained body, relative to its length:
-/// below, that body's rows remain rows of the system. Above, one Gram-Schmidt pass makes them orthogonal to 1e-14.
+/// below this, that body's rows remain rows of K. Above it, one Gram-Schmidt pass makes them orthogonal to 1e-14.
 inline constexpr double kHeldApart = 1e-2;
 /// Part of the children's inertia that is kept along the rows of a constrained body. Any value solves the system; this
 /// one gives a pivot to a body without inertia of its own.
@@ -56,7 +56,7 @@ inline constexpr double kHeldKept = 1e-2;
 inline constexpr double kPairIndependent = 1e-5, kPairDependent = 1e-13;
 
 /// Relative velocities and displacements of two bodies, relative to the velocities and moment arms they are differences
-/// of: below, the bodies move as one, and damped contacts between them are consistent to first order.
+/// of: below this, the bodies move as one, and damped contacts between them are consistent to first order.
 inline constexpr double kMovesAsOne = 1e-13;
 
 // ---- dependent rows -------------------------------------------------------------------------------------------
@@ -66,19 +66,19 @@ inline constexpr double kMovesAsOne = 1e-13;
 /// leaves 3e-6, seven orders more; in between the dense reference solver decides.
 inline constexpr double kRowLeft = 1e-13;
 
-/// Largest coefficient z_j: the projector's error grows by its square, in units of eps, and 30^2 eps = 2e-13 stays
-/// below the allowed 1e-12. Larger ones mean kept rows far smaller than dropped ones; columns are then orthonormalised.
+/// Largest coefficient z_j of a dependent row sum z_j J_j: the projector's error grows by its square, in units of eps,
+/// and 30^2 eps = 2e-13 is below the allowed 1e-12. For larger z_j the null vectors are orthonormalised.
 inline constexpr double kLargestEntry = 30;
 
-/// Rows are exchanged until no entry is larger than this. Each exchange multiplies the determinant of N's dropped rows
-/// by more than this, so that exchanges end.
+/// Dropped and kept rows are exchanged until no z_j is larger than this. Each exchange multiplies the determinant of
+/// N's dropped rows by more than this, so that exchanges end.
 inline constexpr double kExchanged = 2;
 
 /// Coefficients z_j below this (the dropped row's own is 1) are rounding errors.
 inline constexpr double kNullEntry = 1e-15;
 
-/// A column of the null space is refined while it leaves more than this of J's entries: a tenth of kRowLeft, so that
-/// refinement suffices to be accepted there.
+/// A column of the null space is refined while it leaves more than this of J's entries: a tenth of kRowLeft, the limit
+/// for accepting it.
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
@@ -148,13 +148,13 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// A pivot's rounding error changes its exponent by up to this many eps of its terms, relative to the pivot. The sum of
 /// the exponents of all pivots may differ from an integer by the second number.
 inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
-/// The projection's factor for the smallest eigenvalue of J M^-1 J^T, which is usually below 1e-3: from 1/2 on rows
-/// count as nearly dependent, and from 1 / (2 kPivotOfDependent) on where pivots are not compared.
+/// Factor by which a projection reduces the component of the smallest eigenvalue of J M^-1 J^T, usually below 1e-3.
+/// From 1/2 on rows count as nearly dependent, or from 1 / (2 kPivotOfDependent) on if pivots were not compared.
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// Entries of projected random vectors, below which a row is in no null vector: a thousand times their rounding error.
 inline constexpr double kInNullSpace = 1e-11;
-/// Part of a null space, relative to all, that no further projection takes out; and how many are made for it.
+/// Null-space component, relative to the vector, at which projection stops; the largest number of projections.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
 /// J^T times projected random vectors may stop decreasing here, at rounding errors. An eigenvector of J M^-1 J^T that
@@ -208,14 +208,14 @@ inline constexpr double kSameSize = 1e-6;
 
 // ---- single precision -----------------------------------------------------------------------------------------------
 
-/// Factors: what floats have to leave more than doubles of a pivot or a row (kPivotLeft, kRank), and of two pivots in
-/// turn (kRowRounding): 1e-5, 100 eps of floats, and 1e-7. Pivots that leave more are judged by their effect.
+/// Factors on thresholds in floats: of a pivot or row (kPivotLeft, kRank), which become 1e-5, 100 eps of floats; and
+/// of each of two pivots (kRowRounding), whose product must exceed 1e-7. Larger pivots are judged by their effect.
 inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
 /// Largest change by rounding errors, relative to the largest acceleration and force, for a solution in single
 /// precision to be accepted: two digits are left. The rounding errors of all terms are taken with random signs.
 inline constexpr double kWorthless = 1e-2;
 
-/// Largest term of a robot's rows, in their units, below which floats may have underflowed: that begins at 1e-38.
+/// Largest term of a robot's rows, in their units, below which its floats may have underflowed (at 1e-38).
 inline constexpr double kSmallestTerm = 1e-25;
 
 /// 1 + trace of the rotation of an orientation error: floats are accurate to 1e-6, and below this (0.01 rad from half a
@@ -244,7 +244,7 @@ inline constexpr double kLoadRounding = 1e-12, kTorqueRounding = 1e-15;
 /// Contacts are consistent if the residual of every row is at most this part of the largest term of its a0
 /// (bias_acceleration_terms, [m/s^2] or [rad/s^2]): 500 eps, the rounding error of chains of up to hundreds of joints.
 inline constexpr double kDriftRounding = 1e-13;
-/// Derivatives include the term of the residual from 20 eps of these terms on; of a rounding error it is negligible.
+/// Derivatives include a term of the inconsistency if the residual exceeds this part, 20 eps, of these terms.
 inline constexpr double kDriftNoise = 4e-15;
 
 /// Smallest relative to largest row, of rows that are inconsistent in least squares: normal equations of the kept rows
@@ -260,7 +260,7 @@ inline constexpr double kNormEstimate = 3;
 /// its terms pass through.
 inline constexpr int kBoundRounding = 12;
 
-/// Terms of one equation relative to its own inertia or damping times the solution: above, their rounding errors
+/// Terms of one equation relative to its own inertia or damping times the solution. Above this, their rounding errors
 /// (kBoundRounding eps) may change the solution by 1 %, and its error bounds are checked.
 inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<double>::epsilon());
 

@@ -36,7 +36,7 @@ class Equations {
  public:
   virtual ~Equations() = default;
 
-  /// Evaluates the terms at a state. x = [a; f] has nv + (rows of f) entries; r = b - K x.
+  /// Evaluates the terms, and r = b - K x, at a state. x = [a; f] has nv + (rows of f) entries.
   virtual void begin(const Job& job, const Part& part, const double* a, const double* f) = 0;
   /// Sets x += [da; df] and, if `residual`, r = b - K x.
   virtual void add(const Part& part, const double* da, const double* df, bool residual) = 0;

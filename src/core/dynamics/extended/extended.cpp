@@ -211,7 +211,7 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Refuses open islands unless double-double confirms double's rank: K^+ makes J^T n vanish for random forces n.
+// Refuses open islands unless double-double has the same rank: corrections by K^+ make J^T n vanish for random n.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());
@@ -233,7 +233,7 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
 }
 
 // Computes in e.r_a the step dy of a projection: J^T S^2 J dy = g with the gradient g in double-double. It solves J^T z
-// = g for forces z, then S^2 J dy = z. A step from the rest itself would only reach the null space in double.
+// = g for forces z, then S^2 J dy = z. A step computed from the rest itself would be accurate to double only.
 void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.equations->gradient_of_rest(part_of(e), e.r_a.data());
   e.r.setZero();
@@ -243,8 +243,8 @@ void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   invert(scene, data, e);
 }
 
-// Projects the rest of open islands by steps of y until these change no digit of forces (those of the result) or of
-// least-squares residuals (those of double-double, as x may be small relative to them).
+// Projects the rest of open islands by steps of y until they change no digit: of double for forces; of double-double
+// for least-squares residuals, as x may be small relative to these.
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
@@ -378,9 +378,9 @@ constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; li
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
-  bool extended;  // whether the bound is that of an extended solution
-  // Bounds the error by the distance to x plus the error of x: the last correction, of which a part or rounding errors
-  // of double-double may remain, and a share of the bound from |K^-1|. Values that underflow have no second double.
+  bool extended;  // whether the solution has the precision `extended`
+  // Bounds the error by the distance to the refined x plus the error of x. The latter is a multiple of the last
+  // correction, and a share of the bound from |K^-1|. Values that underflow have no second double: min() covers them.
   double error() const {
     const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;
     return kJustAbove * distance + 64 * last +

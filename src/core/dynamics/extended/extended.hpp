@@ -21,7 +21,7 @@ struct ExtendedWork {
   /// Data of one island during refinement, and afterwards for its error bounds.
   struct OfIsland {
     bool open = false;                    // whether refinement is in progress
-    bool refined = false;                 // whether it is to be refined, and afterwards whether it was
+    bool refined = false;                 // whether it is to be refined; afterwards, whether it was refined
     bool converged = false;               // whether x has converged
     bool projects = false;                // whether rows are dependent and the rest is projected
     double before = 0;                    // size of the last correction
@@ -46,11 +46,11 @@ struct ExtendedWork {
 
 namespace internal {
 
-/// Refines the current double solution, and takes the result for islands where it converged.
+/// Refines the current double solution, and replaces it by the result in islands where refinement converged.
 void refine_extended(const Scene& scene, SceneData& data);
 /// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces the report's bounds by the distance to the refined copy where that converged; does not summarise.
+/// Replaces the report's bounds by the distance to the refined copy where that converged; the caller must summarise.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

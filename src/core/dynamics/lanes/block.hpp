@@ -1,6 +1,6 @@
 #pragma once
 // A robot as a block of its island's K, bordered by the rows of contacts that couple it to other robots. In the block
-// these are contacts with the world; their rows come last, without elimination (systems/robots/interface.hpp).
+// these are contacts with the world; their rows come last and are not eliminated (systems/robots/interface.hpp).
 
 #include <algorithm>
 
@@ -9,16 +9,16 @@
 
 namespace manycontact::lanes {
 
-/// One array per coupling contact: position and motion of its body, and the columns of J that move it ...
-struct JoinedEnd {  // origin, oMi, v, a, J
+/// A robot's array for a coupling contact: origin, oMi, v, a of the contact's body, and the columns of J that move it.
+struct JoinedEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
-/// ... and for derivatives Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
+/// Its array for derivatives: JoinedEnd, then Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// Results are stored in the same memory (EndForce): the contact's force on the body in the tree frame; the columns of
-/// J_l; and, row-major, D of the robot's own coordinates (JoinTerms).
+/// Results overwrite a MovingEnd (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
+/// and, row-major, D of the robot's own coordinates (JoinTerms).
 
 /// The end of a contact that is fixed to the world or to a base. `frame` is relative to `origin`, in world axes; the
 /// origin is the contact's own in the world, and the base's otherwise.
@@ -58,7 +58,7 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// Size of the memory kept between steps: K, b. The joins follow; `factor` overwrites them with L, D, x, w.
+  /// Size of K and b, which all steps keep. The joins are behind them, until `factor` writes L, D, x, w there.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
   /// Offset of the memory of WaitingRows, and its size.

@@ -36,7 +36,7 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors on the thresholds of doubles for pivots and rows (kLeft), or two successive pivots (kPassedOn), in floats.
+/// Factors by which thresholds for pivots and rows (kLeft), and for pairs of pivots (kPassedOn), are larger in floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
@@ -48,7 +48,7 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   FourSums<S> sum;  // zero times a number that is not finite is NaN
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
-  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats leave the last 1e-7 to doubles
+  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats have errors of 1e-7
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
@@ -65,7 +65,7 @@ class PivotJudge {
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
   /// Whether the next pivot exceeds `margin` times its rounding error; rejected ones have no effect. diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
-    const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped row of J
+    const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped J row: 1
     rank::PassedOn<S> next = passed_on_;
     const typename S::Mask sound =
         next.accepts(pivot.of_M, left) & rank::is_left(pivot, margin * kLeft<S>) & rank::has_its_sign(pivot);

@@ -24,7 +24,7 @@ struct Job {
   std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;               // one entry per contact
-  const double* prescribed;                       // prescribed row accelerations, as f; nullptr: zero
+  const double* prescribed;                       // prescribed accelerations of the rows, ordered as f; nullptr: 0
   double *a, *f;                                  // written for robots whose solution is sound
   const std::vector<int>* left_offset = nullptr;  // one entry per contact; used for pairs
   double* left = nullptr;                         // ContactData::left of pairs on single robots
@@ -36,7 +36,7 @@ struct Sampled {
   int column;
   double* b;
 };
-/// One robot's columns K_r^-1 [E, B_r] for forces f, not -f; without E, IslandDerivatives::X of its island.
+/// One robot's columns K_r^-1 [E, B_r], with rows of f, not -f. For a single-robot island: IslandDerivatives::X.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
@@ -69,8 +69,8 @@ struct ProductJob : Solution {
 struct Answer {
   bool sound = false;
   int refinement_steps = 0;
-  double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // report's values
-  // Whether derivatives and products need no check (systems/matrix/panel.cpp), and derivatives one refinement.
+  double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // members of IslandReport
+  // Whether derivatives and products need no check (systems/matrix/panel.cpp); whether derivatives need refinement.
   bool panel_is_safe = false, refine_panel = false;
   std::span<const int> dependent;             // dependent rows, in the order of the plan's K
   rank::Contradiction<double> contradiction;  // set if any row is dependent
@@ -85,8 +85,8 @@ class RobotBlocks {
     const int* contacts;  // contacts on it alone, as numbered in the scene
     // Members of coupled robots only.
     double* joins = nullptr;  // one JoinedEnd per coupling contact, later J's columns on this robot; valid until factor
-    double* ends = nullptr;   // ends for derivatives: MovingEnd, then EndForce
-    const double *x = nullptr, *b = nullptr;  // input of check: columns of a panel, rows as the plan's island has them
+    double* ends = nullptr;   // one MovingEnd per coupling contact, later EndForce in its place
+    const double *x = nullptr, *b = nullptr;  // input of check, in the order of the plan's island
     Border border = {};
     // Members that the steps set.
     bool sound = false;                              // false: another system must solve
@@ -120,8 +120,8 @@ class RobotBlocks {
   /// Writes accelerations, and the forces of contacts on the robots alone.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
 
-  /// Computes derivatives of islands with sound solutions and safe panels, or coupled robots' columns of their own
-  /// part.
+  /// Computes derivatives: of single-robot islands with Answer::panel_is_safe, or the columns K_r^-1 [E, B_r] of
+  /// coupled robots.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
   /// Compute products with these derivatives, refined once (systems/matrix/matrix.cpp).
@@ -138,20 +138,20 @@ class RobotBlocks {
   virtual void move_ends(const DerivativeJob& job, std::span<Robot> robots) = 0;
 };
 
-/// Contacts of one kind that couple two robots: one, or up to a full SIMD batch.
+/// Evaluates contacts of one kind that couple two robots: one, or up to a full SIMD batch.
 class InterfaceContacts {
  public:
   struct Rows {
     const Contact* contact;
-    double *A, *B;  // JoinedEnd; then the columns of the contact's J on that robot
+    double *A, *B;  // input JoinedEnd; the columns of the contact's J on that robot replace it
     double* a0;
     double* left;                 // a pair's ContactData::left
     double smallest_row, motion;  // the smallest row of J, and the motion scale of its rows
   };
-  /// Memory for derivatives at the solution.
+  /// Input and output of derivatives at the solution.
   struct Derivatives {
     const Contact* contact;
-    double *A, *B;    // MovingEnd; then EndForce
+    double *A, *B;    // input MovingEnd; EndForce replaces it
     const double* f;  // the contact's force
     double* terms;    // JoinTerms
   };

@@ -137,7 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns true where every row moves a coordinate by more than rounding; pivots do not show this.
+/// Writes J into K. Returns where each row moves a coordinate by more than rounding; pivots do not show this.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();
@@ -145,7 +145,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   for (int row = 0; row < p_.nc; ++row) {
     Mask moves = S(0) < S(0);
     const auto climb = [&](int node, Vec6<S> G) {
-      Vec6<S> sizes = G.cwiseAbs();  // magnitudes of G's terms, until every element moves
+      Vec6<S> sizes = G.cwiseAbs();  // magnitudes of G's terms, needed until a coordinate moves in all elements
       for (; node != plan_->meeting[row]; node = p_.parent[node]) {
         for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
           const S J = dot(S_.col(j), G);

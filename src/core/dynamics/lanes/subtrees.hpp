@@ -17,8 +17,8 @@ struct SubtreePlan {
   std::shared_ptr<const BodyPattern> pattern;
   sparse::UpperCsc K;  // order: coordinates from the last to the first, then rows
   sparse::LdlSchedule schedule;
-  /// Slots of K. M: from the last node, each coordinate with those of its node up to itself, then the ancestors'. J:
-  /// per row, the coordinates from body A up to the node where both ends meet, then those from body B.
+  /// Slots in K. M: from the last node on, each coordinate's entries with those of its node up to itself, then with the
+  /// ancestors'. J: per row, the coordinates from body A up to the node where both ends meet, then those from body B.
   std::vector<int> M_slot, J_slot;
   std::vector<int> meeting;  // node where both ends of each row meet; -1: none
 
@@ -32,7 +32,7 @@ class SubtreeBatch {
  public:
   struct Subtree {
     const BodySystem* system;  // not damped
-    BodySolve* solution;       // solution of b: x.joints, x.rows, x.force of the bases, and the largest residuals
+    BodySolve* solution;       // input b; output x.joints, x.rows, x.force of the bases, largest residuals
     bool sound;                // set by solve; false: another system must solve, and all other results are undefined
     int factor_nonzeros;
     sparse::Refinement refinement;

@@ -15,11 +15,11 @@ struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
   const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp is used
   std::vector<double> L, D;
-  std::vector<int> same;  // 0, 1, 2 ...
+  std::vector<int> same;  // the identity permutation 0, 1, 2 ...
 
   /// Prepares for a pattern. method: kSparseLdl uses the schedule, kSuiteSparseLdl does not.
   void take(const std::shared_ptr<const KktPattern>& p, Method method) {
-    pattern = nullptr;  // memory may run out
+    pattern = nullptr;  // remains nullptr if an allocation throws
     schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());

@@ -9,7 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Checks that K's signature is (nv, nc, 0) and no pivot is lost. scratch.scale: the pivots' terms. L: may be nullptr.
+/// Checks K's signature (nv, nc, 0), and that pivots exceed rounding. scratch.scale: their terms. L: may be null.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
@@ -31,7 +31,7 @@ inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D,
   return lost ? Reason::kSmallPivot : Reason::kNone;
 }
 
-/// Growth of K's entries during elimination. terms: terms of the pivots.
+/// Returns the growth of K's entries during elimination. terms: terms of the pivots.
 inline double growth_of(const KktMatrix& K, const double* terms) {
   const sparse::UpperCsc& A = K.pattern->K;
   double largest = 0, diagonal = 0;
@@ -42,7 +42,7 @@ inline double growth_of(const KktMatrix& K, const double* terms) {
   return diagonal > 0 ? largest / diagonal : 1;
 }
 
-/// The size with which row k of J, in the island's order, is compared.
+/// Returns the size relative to which row k of J, in the island's order, is judged.
 inline double size_of_row(const KktMatrix& K, const FactorScratch& scratch, int k) {
   return scratch.row_scale.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_scale[k] : K.row_scale;
 }

@@ -8,8 +8,8 @@ namespace manycontact {
 
 namespace internal {
 
-// The columns of P are replaced by random vectors, the probes. E^k of the probes equals P of them once J^T times it is
-// a rounding error. This never happens if a dropped row is only nearly dependent: then S has an eigenvector that E
+// Tests random vectors, the probes, instead of all columns of P. E^k of the probes equals P of them once J^T times it
+// is a rounding error. This never happens if a dropped row is only nearly dependent: then S has an eigenvector that E
 // neither removes nor keeps, and it shows in nearly all random vectors. A row dropped by its pivot alone may have an
 // eigenvalue of kPivotOfDependent delta, which each E reduces by that factor. Forces are smoother than the probes, with
 // larger components of the smallest eigenvalues, and take one more application.
@@ -78,7 +78,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   return left;
 }
 
-// Relative rounding error of vectors that E keeps: the change of the probes once they are such vectors.
+// Measures E's relative rounding error: the change of the probes by E once they are in the null space.
 void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)

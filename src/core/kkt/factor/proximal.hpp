@@ -13,9 +13,9 @@
 //                                         hardly depends on delta.
 //
 // Rounding errors of the residual, eps of b, become forces of size eps / delta in the null space (relative to S of 1),
-// which move nothing: P f is removed at the end. E changes a vector of the null space by a part of eps / delta
-// ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4; Gill,
-// Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
+// which cause no acceleration: P f is removed at the end. E changes a vector of the null space by eps / delta of its
+// size ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4;
+// Gill, Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
 #include <algorithm>
 #include <array>
@@ -83,8 +83,8 @@ class ProximalFactor final : public Factor {
 
  private:
   static constexpr double kEps = std::numeric_limits<double>::epsilon();
-  static constexpr int kProbes = 8;                         // so many vectors take the time of a few
-  static constexpr int kChunk = 64;                         // columns of a panel at a time
+  static constexpr int kProbes = 8;  // random vectors; eight take the time of a few
+  static constexpr int kChunk = 64;  // columns of a panel at a time
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     const std::size_t n = pattern->size();
     damped_.resize(pattern->K.nonzeros());
@@ -114,14 +114,14 @@ class ProximalFactor final : public Factor {
     return sparse::largest(r_);
   }
 
-  // A pivot that is zero or NaN remains in D.
+  // Factorizes K_delta. A pivot that is zero or NaN remains in D.
   void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // Pivots of M are checked as in any factor. Pivots of J's rows must be negative.
+  // Checks pivots of M as any factor does. Pivots of J's rows must only be negative.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -164,8 +164,8 @@ class ProximalFactor final : public Factor {
 
   // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta. The
   // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each is 1 or 0. If rows
-  // nearly depend on earlier rows, and later rows on all of these, exponents lie between, and only their sum is an
-  // integer. Exponents within rounding error of 1 or 0 count as 1 or 0, so that these errors do not add up.
+  // nearly depend on earlier rows, and later rows on all of them, their exponents are between 0 and 1, and only the sum
+  // is an integer. Exponents within rounding error of 1 or 0 count as 1 or 0, so that these errors do not add up.
   bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;
@@ -237,9 +237,9 @@ class ProximalFactor final : public Factor {
   std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the most certain first
   bool in_doubt_ = false;                      // whether stiffer_ and order_ were needed at the last state
   double growth_ = 1;
-  double drift_ = 0;                                         // rounding error of a vector that E keeps
+  double drift_ = 0;                                         // relative rounding error of E y for y in the null space
   int applications_ = 1;                                     // number of applications of E that give P
-  double left_ = 0;                                          // J^T times the null space, relative to the rows' sizes
+  double left_ = 0;                                          // largest J^T n of null vectors n, relative to its terms
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
   std::vector<double> sums_;                                 // J^T probes, and |J|^T |probes|: scratch, in rows of M
   std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows

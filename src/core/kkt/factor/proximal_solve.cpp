@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-// y -= E^k y until nothing more changes.
+// Repeats y -= E^k y until y stops changing.
 void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
 
 void ProximalFactor::project(double* y, double* null_component, double left) {
@@ -118,7 +118,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
       // J^T times the removed forces leaves rounding errors. One more step, without its component in the null space,
-      // corrects them: what is left of that is small relative to all forces.
+      // corrects them; the rest of that component is small relative to all forces.
       ldl_.solve(v.r.data());
       const double f = largest_of_parts(v.x)[0], step = largest_of_parts(v.r)[0];
       project(v.r.data(), nullptr, tolerance::kProjected * std::max(1.0, f / step));
@@ -177,7 +177,7 @@ sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   return out;
 }
 
-// The largest residual of M's rows relative to its terms, or to a part of the largest terms if that is more.
+// Returns the largest residual of M's rows relative to its terms, or to kLeastLoad of the largest terms if larger.
 double ProximalFactor::left_of_M(const KktVectors& v) const {
   const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
   double left = 0;
@@ -186,7 +186,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
   return left;
 }
 
-// The largest magnitudes of x in J's rows and in M's.
+// Returns the largest magnitudes of x in J's rows and in M's.
 std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
   std::array<double, 2> out{};
   for (std::size_t k = 0; k < x.size(); ++k) {

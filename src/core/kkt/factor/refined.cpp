@@ -11,9 +11,9 @@ namespace manycontact {
 namespace {
 
 // The inconsistency P b1 of the rows is orthogonal to J's range. In rows with large entries (rotations, with lengths in
-// micrometres) P b1 is small, and is hidden by rounding errors of b1's large entries: P b1 -= (J^T)^+ J^T P b1. If that
-// changes more than rounding errors, the dropped rows are only nearly dependent, and P b1 is kept. v.x, v.r and v.scale
-// are workspace here, since the solution is computed afterwards.
+// micrometres) P b1 is small, and is hidden by rounding errors of b1's large entries: P b1 -= (J^T)^+ J^T P b1. If this
+// correction exceeds rounding errors, the dropped rows are only nearly dependent, and P b1 is kept. v.x, v.r and
+// v.scale are workspace here, since the solution is computed afterwards.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);

@@ -19,9 +19,9 @@ using internal::largest_number;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;  // cost of a motion from which no solve continues, in units of the current cost
-constexpr double kWorthless = 1e-6;  // a violation is least if a step reduces its square by at most this share
-constexpr double kLevel = 1e-6;  // stationary: |C^T r| <= kLevel |C| |r|, with the violations r and their Jacobian C
+constexpr double kAbsurd = 3e8;      // cost of a motion from which no solve continues, in units of the current cost
+constexpr double kWorthless = 1e-6;  // a violation counts as least if a step reduces its square by at most this share
+constexpr double kLevel = 1e-6;     // stationary: |C^T r| <= kLevel |C| |r|, with the violations r and their Jacobian C
 constexpr double kCrawling = 1e-9;  // iterations are slow if `stop` is below this share of the squared violation
 // Distances of the motions that are tried near the candidate, in units of the largest control, or of 1. The nearer ones
 // are for candidates from which a motion without feedback moves too far.
@@ -29,10 +29,10 @@ constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
 // Distances of motions far from the candidate, in the same units; negative ones are measured from zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
-constexpr double kCreeping = 0.99;  // a search is slow if kCreepingWindow iterations leave more than this share
+constexpr double kCreeping = 0.99;      // a search is slow if kCreepingWindow iterations leave more than this share
 constexpr double kSettled = 1 - 1e-12;  // the same for iterations that look for a stationary candidate
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;  // an earlier candidate is preferred up to this multiple of the least violation
+constexpr double kAsNear = 1.01;     // an earlier candidate is preferred up to this multiple of the least violation
 constexpr double kMuchNearer = 0.5;  // a solve continues from a candidate that reduces the violation to this share
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
@@ -40,10 +40,10 @@ constexpr int kLevellings = 50, kIdleLevellings = 12;
 // The initial regularisation of quasi-Newton steps in units of |C|^2, and the factor that increases it.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 constexpr double kLongest = 10;  // longest first step, in units of the largest control
-constexpr double kBack = 1e-3;  // a search returned to the candidate if its result is worse by at most this share
+constexpr double kBack = 1e-3;   // a search returned to the candidate if its result is worse by at most this share
 constexpr std::size_t kRestorations = 5;
 constexpr double kBeyond = 0.1;  // limits make constraints infeasible if they allow at most this relative reduction
-constexpr int kSaddles = 4;  // number of candidates that may turn out not to be minima
+constexpr int kSaddles = 4;      // number of candidates that may turn out not to be minima
 
 }  // namespace
 
@@ -325,7 +325,7 @@ bool AL::movesInLineFrom(const Vectors& us_before) {
 
 // Returns kInfeasible if the violation is not zero and was shown to be a minimum, by C^T r and by searches that start
 // near it, or to be beyond what the limits of controls allow. Returns kNone if a solve may continue, from a candidate
-// that meets the constraints or is much nearer to them. Returns kNoStep if neither was shown.
+// that meets the constraints or is much nearer to them. Returns kNoStep otherwise.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
@@ -364,15 +364,15 @@ StopReason AL::restore(std::size_t maxiter) {
     if (!falls) break;
   }
   if (interrupted_) return StopReason::kInterrupted;
-  // A smaller violation shows nothing: its square is the rounding error of the squares that it is computed from.
+  // A smaller violation proves nothing: its square is the rounding error of the squares that it is computed from.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
   if (shown && violation_ > std::max(th_constraint_, shows)) {  // the earlier motion is preferred if it was as near
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
-  // Nothing is shown in two cases: a motion meets the constraints with torques so large that its steps do not keep the
-  // contacts closed, or the violation did not decrease although nothing else was minimised.
+  // The result proves nothing in two cases: a motion meets the constraints with torques so large that its steps do not
+  // keep the contacts closed, or the violation did not decrease although nothing else was minimised.
   const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);

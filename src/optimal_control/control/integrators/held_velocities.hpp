@@ -67,7 +67,7 @@ struct HeldVelocities {
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv
   Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
-  Eigen::MatrixXd of_island_, done_;    // derivatives of one island
+  Eigen::MatrixXd of_island_, done_;    // derivatives of torques and of accelerations of one island
 };
 
 }  // namespace manycontact::internal

@@ -90,7 +90,7 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
-// Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: its rows in the node's y.
+// Gradients Lx + Gx^T y_g + Hx^T y_h, Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: its multipliers in the node's y.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -132,7 +132,7 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// Sets the share of A's subproblem, or of B's, in the rows of coupling b.
+// Sets the matrices C, D of the subproblem of A, or of B, in the rows of coupling b.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
   const Contact& contact = scene_.contacts[couplings_[b].contact];
@@ -184,7 +184,7 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
   }
 }
 
-// Computes the node's own matrices. With w = W [dx; du], part i's z = (x_i, u_i, w_i) = T [dx; du]:
+// Computes the node's own matrices. Wrenches are w = W [dx; du]; subproblem i has z = (x_i, u_i, w_i) = T [dx; du]:
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] = [H_i T]
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();

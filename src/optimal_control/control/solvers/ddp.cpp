@@ -169,8 +169,8 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
 
 StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
-  // Directions within limits may allow short steps only, hundreds of them; those of `descend` do not. This is not
-  // tested if only Crocoddyl's iterates are requested.
+  // Directions of the box rule may allow hundreds of short steps only; directions of `descend` allow longer ones. Short
+  // steps are not counted if only Crocoddyl's iterates are requested.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
   int short_steps = 0;  // consecutive short steps

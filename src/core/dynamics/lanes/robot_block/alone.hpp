@@ -27,7 +27,7 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the usable elements whose rows have sound pivots, join, or are dependent.
+/// Computes L and D. Returns the usable elements whose rows all have sound pivots, join, or are dependent.
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -79,7 +79,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in open elements. Returns where entries, and |K| |x|, change by at most kSameSize of themselves.
+/// Sets x += K^-1 r in open elements. Returns the elements where each entry of x changes by at most kSameSize of it.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -109,7 +109,7 @@ S RobotBlock<S>::backward_error() {
   return componentwise_error<S>(r, n_.w);
 }
 
-/// Computes the residual again after `correct`; its mask shows in which elements `scale` need not be computed again.
+/// Computes the residual again after `correct`, which returned the elements whose `scale` remains.
 template <class S>
 S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
@@ -137,7 +137,7 @@ void RobotBlock<S>::refine() {
 
 template <class S>
 void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
-  // Residuals are relative to their terms, those of contacts at least to gravity.
+  // Residuals are relative to their terms, those of contacts to gravity if it is larger.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
   Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
@@ -233,7 +233,7 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
     if (answers[l].dependent.empty()) continue;
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
     if (answers[l].contradiction.needs_dense()) answers[l].sound = false;
-    if (answers[l].contradiction.exceeds_rounding())  // the panel of the whole K has the residual's term
+    if (answers[l].contradiction.exceeds_rounding())  // only derivatives by the whole K have the residual's term
       answers[l].panel_is_safe = false;
   }
 }

@@ -25,7 +25,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
   const S* L = inner_L();
-  S refined(0), projected(1);  // 1 where the panel is; elements without a robot have none
+  S refined(0), projected(1);  // flags of panels; surplus elements have no panel, and are skipped like projected ones
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
     projected.set(lane, rows_wait() && waiting_.elements()[lane]);
@@ -51,7 +51,7 @@ void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
                side_by_side(robots, memory, [](const Robot& r) { return r.ends; }));
 }
 
-/// Computes contact forces on the bodies, and the terms of -dr.
+/// Computes contact forces on the bodies, and the terms of the right-hand sides -dr/dq, -dr/dv.
 template <class S>
 void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   add_forces(scene, robots, fext_);
@@ -73,7 +73,7 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Finds the rows of each coordinate's column of -dr: ancestors, descendants, and rows of contacts on these.
+/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and rows of contacts on these.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -97,7 +97,7 @@ void RobotBlock<S>::find_places() {
       if (places(i, j)) places_.push_back({i, j, of_tree(i, j)});
 }
 
-/// Finds the constant entries of right-hand sides, and the chunks of columns in which they are solved.
+/// Sets the constant entries of right-hand sides, and forms the chunks of columns that are solved together.
 template <class S>
 void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
@@ -147,7 +147,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // right-hand sides; solutions of this band, of the largest
+  std::size_t count = 0, at = 0, most = 0;  // sizes: right-hand sides; solutions of this band; of the largest
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
@@ -258,7 +258,7 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
     for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, waiting);
-    // Many panels do not fit in the caches: they are written sequentially.
+    // Panels that do not fit in the caches are written past them.
     if (job.non_temporal)
       write(band, panels, of, [](const auto& piece, double* to) { piece.stream(to); });
     else

@@ -5,7 +5,7 @@
 
 namespace manycontact::lanes {
 
-/// Prefetches what the next robots will write: K, b and the joins.
+/// Prefetches the memory that the next batch will write: K, b and the joins.
 template <class S>
 void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
   constexpr std::size_t kLine = 64 / sizeof(S);
@@ -55,7 +55,7 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_) slot += rows.J.size();
   const double* from[kMostInBatch];
-  std::size_t next = 0;  // among the joins
+  std::size_t next = 0;  // offset in the joins
   for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
     const int cols = plan_->supports[k].cols(), count = contact(k).rows() * cols;
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return r.joins + next; }), count, joins_.data());
@@ -152,7 +152,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   (void)check_residual(robots, prefetch_of(memory));
 }
 
-/// Computes r = b - K x, scale = |b| + |K| |x|, and their reported measures. Returns the robots' backward error.
+/// Computes r = b - K x, scale = |b| + |K| |x|, and their largest entries. Returns the robots' backward error.
 template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),

@@ -1,6 +1,6 @@
 #pragma once
-// Waiting rows of single-robot islands that are independent of the rows kept, K1: they join K1 by their Schur
-// complement (rank/waiting_rows.hpp). The k-th such row of each element of the batch forms column k of B in
+// Waiting rows of single-robot islands that are independent of the kept rows. They join K1, the K of the kept rows, by
+// their Schur complement (rank/waiting_rows.hpp). Column k of B contains the k-th such row of each element in
 //
 //     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
 
@@ -65,8 +65,8 @@ class JoiningRows {
   }
   bool any() const { return most_in_any_ > 0; }
 
-  /// Factorizes T. entries(lane, k, use): calls use(row of K1, entry of row k there). terms(lane, k): terms of its
-  /// pivot. Calls left(lane, k) for a row that depends on K1 and earlier rows. solve(b, x): x = K1^-1 b.
+  /// Factorizes T. entries(lane, k, use): calls use(row of K1, entry of row k there). terms(lane, k): terms of row
+  /// k's pivot. Calls left(lane, k) for a row that depends on K1 and earlier rows. solve(b, x): x = K1^-1 b.
   template <class Entries, class Terms, class Solve, class Left>
   void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
     std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
@@ -93,7 +93,7 @@ class JoiningRows {
     });
   }
 
-  /// The steps before and after x <- K1^-1 x, for C columns, row-major.
+  /// The steps for joined rows before and after x <- K1^-1 x, for C columns, row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;

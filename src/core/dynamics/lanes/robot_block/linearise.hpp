@@ -18,7 +18,7 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
 }
 
-/// Evaluates motions and rows at the solution, K and its factor. memory: coupled robots'; nullptr: motions only.
+/// Evaluates motions and rows at the solution, K and its factor. memory: coupled robots'; nullptr: only their motions.
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {

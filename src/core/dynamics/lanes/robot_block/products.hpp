@@ -22,7 +22,7 @@ BodyVariationOf<S> RobotBlock<S>::body(const Attachment& at) const {
   return moves(at) ? body_[at.joint] : BodyVariationOf<S>{zero, zero, zero, zero};
 }
 
-// ---- least-norm forces of dependent rows: P df = P D dq, D = d(J y)/dq (systems/matrix/least_norm_forces.cpp) ----
+// ---- least-norm forces f = J y of dependent rows: P df = P D dq, D = d(J y)/dq (systems/matrix/least_norm_forces.cpp)
 
 template <class S>
 internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robots robots, std::size_t k) const {

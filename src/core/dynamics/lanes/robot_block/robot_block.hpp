@@ -36,7 +36,7 @@ class RobotBlock final
     : public std::conditional_t<std::is_same_v<typename S::Element, float>, SingleBlocks, RobotBlocks> {
  public:
   static constexpr int W = S::width;
-  /// Single precision, only for single-robot islands without redundant rows (single.hpp).
+  /// Whether elements are floats. They solve only single-robot islands without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
@@ -60,11 +60,11 @@ class RobotBlock final
  private:
   /// The value type of sparse kernels.
   using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// Arrays in a batch's memory: K, L, D as in KktMatrix and LdlSymbolic; w = L^-1 r.
+  /// Arrays in a batch's memory: K, L, D as in KktMatrix and LdlSymbolic; right-hand side b, solution x; w = L^-1 r.
   struct Numbers {
     S *K, *b, *L, *D, *x, *w;
   };
-  /// Prefetches for coupled robots: a batch reuses its memory only after all other batches used theirs.
+  /// Prefetches the next batch's memory, which has left the cache since all other batches were processed in between.
   using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
   static Prefetch prefetch_of(const Memory& memory) {
     if constexpr (W == 1)
@@ -84,7 +84,7 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Numbers of panel columns: at a time; of these in registers, with four rows; per part, adjacent in the panel.
+  /// Numbers of panel columns: solved at a time; kept in registers, for four rows; in a part, adjacent in the panel.
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -97,23 +97,23 @@ class RobotBlock final
   static_assert(kSingle || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;      // offset in B_: the reached rows, columns adjacent
-    std::size_t answer;  // offset in work_: all rows, columns adjacent
+    std::size_t at;      // offset in B_ of its right-hand sides: rows that may be nonzero, row-major
+    std::size_t answer;  // offset in work_ of its solutions: all rows, row-major
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
-  struct Band {  // a range of parts, and their chunks
+  struct Band {  // columns solved before they are copied to panels: ranges of parts and of chunks
     int first, end;
     std::size_t chunk, chunk_end;
   };
-  struct Piece {  // a part of columns in work_: row k, in the pattern's order, is at + k stride
+  struct Piece {  // a part in work_: its row k, in the pattern's order, begins at `at` + k stride
     std::size_t at;
     int stride;
   };
-  struct Slot {
+  struct Slot {  // an entry of -dr/dq or -dr/dv that may be nonzero
     int i, j;
     bool of_tree;  // written by robot_columns
   };
-  /// Access to entries of right-hand sides in B_ by row and column of the panel.
+  /// Gives access to entries of right-hand sides in B_ by row and column of the panel.
   struct Indexed {
     S* B;
     const int* place;
@@ -227,13 +227,13 @@ class RobotBlock final
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }
-  /// Loads the array at(robot in its scene, robot), of `count` numbers, of each robot into the elements of `to`.
+  /// Loads `count` numbers of each robot, from at(robot of the scene, robot), into the elements of `to`.
   template <class At>
   static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
     const double* from[kMostInBatch];
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
   }
-  /// Stores border values `from` into the robots' arrays.
+  /// Stores `count` border values into each robot's array to(border).
   template <class To>
   static void store_border(const S* from, int count, Robots robots, To&& to) {
     double* memory[kMostInBatch];
@@ -249,34 +249,34 @@ class RobotBlock final
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
   // single precision (single.hpp)
-  struct BodySizes {  // magnitudes of accelerations due to qdd, and of forces
+  struct BodySizes {  // magnitudes of linear and angular acceleration due to qdd, of force and moment
     S moved, turned, force, moment;
   };
-  std::vector<double> near_q_, per_turn_;  // each robot's q; 1/(2 pi) for its angles
+  std::vector<double> near_q_, per_turn_;  // each robot's q without whole revolutions; 1/(2 pi) for angles, else 0
   std::array<Vec3<double>, W> origin_;     // each robot's base, to which positions are relative
   std::vector<BodySizes> body_sizes_;
-  std::vector<float> signs_;                             // one entry per row of K: 1 or -1
-  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact on the robots alone: A, B, if fixed
-  std::vector<std::array<SE3<S>, 2>> on_body_;           // and frames on moving bodies
-  Mask usable_;                                          // q, v, tau are finite, quaternions of unit length ...
+  std::vector<float> signs_;                             // one entry per row of K: pseudo-random 1 or -1
+  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact not in the border: A, B, if fixed
+  std::vector<std::array<SE3<S>, 2>> on_body_;           // one entry per such contact: A, B on moving bodies
+  Mask usable_;                                          // robots that have passed all checks so far
   ModelNumbers<S> own_model_;                            // used if the robots have other models than the plan
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: terms that all elements share
   S smallest_row_, motion_;
-  bool may_wait_ = false;  // whether rows of J without a sound pivot wait; otherwise another system solves
+  bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; otherwise another system solves
 
   Numbers n_;
   std::vector<S> own_;  // memory of single-robot islands
   std::vector<S> pivot_terms_, r_, scale_;
   WaitingRows<S> waiting_;
   S steps_, backward_error_, first_error_;
-  std::uint64_t serial_ = 0;  // the solution and the robots to which kinematics, M, K, L, D belong
+  std::uint64_t serial_ = 0;  // the number of the solution that kinematics, M, K, L, D belong to; its robots: kept_
   std::array<int, W> kept_;
   std::size_t kept_count_ = 0;
 
   std::vector<S> joins_, border_;
-  std::vector<int> triangle_;      // slots in L of the border's columns, below the diagonal; -1: zero
+  std::vector<int> triangle_;  // slots in L of the border's columns, below the diagonal; -1: zero
 
   // derivatives
   VecX<S> a_;
@@ -285,16 +285,16 @@ class RobotBlock final
   std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // coordinates of each contact
-  std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may not be zero
+  std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may be nonzero
   DerivativeRequest request_;              // the request that reach_ belongs to
   std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
   // Whether right-hand sides, and L^-1 times them, may be nonzero: one flag per row of K, in its order, and chunk.
   std::vector<char> reach_, reached_;
   std::vector<char> nonzero_;  // one flag per row of K
-  std::vector<S> B_;           // right-hand sides, chunk by chunk: the reached rows, in the pattern's order
+  std::vector<S> B_;           // right-hand sides, chunk by chunk: rows that may be nonzero, in the pattern's order
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero
-  std::vector<int> unset_;     // entries of B_ to zero first, as contact terms are added to them
+  std::vector<int> unset_;     // entries of B_ that are set to zero before contact terms are added
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
   std::vector<S> inverse_;
@@ -302,10 +302,10 @@ class RobotBlock final
   std::vector<Piece> pieces_;
   std::vector<double> work_;              // solutions of a band, chunk by chunk; scratch of solve_refined
   double rounding_;                       // sparse::ldl_rounding
-  std::vector<BodyVariationOf<S>> body_;  // products: tangents, or adjoints
+  std::vector<BodyVariationOf<S>> body_;  // tangents (jvp) or adjoints (vjp) of the bodies' motions
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  // With redundant rows: y of J y = f; jvp's dq or vjp's addition to wq; d(J y)/dq in K's order; a chunk's correction.
+  // With redundant rows: y with J y = f; dq of jvp or the term of wq in vjp; d(J y)/dq; correction of a chunk.
   std::vector<S> y_, along_, rate_, correction_;
   std::vector<S> slope_;  // nv, if joints have friction: -d tau_f / dv
 };

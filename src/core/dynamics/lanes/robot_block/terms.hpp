@@ -10,7 +10,7 @@ namespace manycontact::lanes {
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_state(const Job& job, Robots robots) {
-  serial_ = 0;  // nothing is kept: robots coupled only by springs have no border, and use these kernels too
+  serial_ = 0;  // kept terms are overwritten, also for robots that only springs couple, which have no border
   if constexpr (kSingle)
     load_near(job, robots);
   else
@@ -23,7 +23,7 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   load_ends(job.scene, robots);
 }
 
-/// Loads the robots' own placements, inertias and armatures, unless they are the model's.
+/// Loads the robots' own placements, inertias and armatures, unless all robots have the plan's model.
 template <class S>
 void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
@@ -101,7 +101,7 @@ void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// Sets the bias to h ID(q, v, stop), h the time step, and then velocities to zero.
+/// Sets the bias to h (time step) times the inverse dynamics of (q, v, a = stop), and then velocities to zero.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
@@ -113,7 +113,7 @@ void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   for (std::vector<Vec6<S>>* motion : {&kin.v, &kin.a}) std::fill(motion->begin(), motion->end(), Vec6<S>::Zero());
 }
 
-/// Stores J x of the contacts on the robots.
+/// Stores the contacts' velocities J x at the start of a step, where x are velocities.
 template <class S>
 void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
   double* to[kMostInBatch];
@@ -144,7 +144,7 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// Stores the inconsistency of the contacts of pairs.
+/// Stores the inconsistency of the contacts that pairs represent (ContactData::left).
 template <class S>
 void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
   double* to[kMostInBatch];
@@ -156,8 +156,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes norms of J's rows and the motion scale, as pivots do not reveal rows of rounding errors; damped rows are
-/// sound.
+/// Computes norms of J's rows and the motion scale, since pivots do not reveal rows that are only rounding errors.
+/// Damped rows are always sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
@@ -193,7 +193,7 @@ void RobotBlock<S>::assemble_rows(double damping) {
   for (std::size_t k = 0; k < count; ++k) n_.K[pattern_.diagonal_slot[k]] = S(k < own ? -damping : 0);
 }
 
-/// Sets b = [tau - h; wanted - a0; 0].
+/// Sets b = [tau - h; wanted - a0; 0], with the prescribed row accelerations `wanted`.
 template <class S>
 void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];

@@ -1,8 +1,8 @@
 #pragma once
 // Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in an element gets inverse
-// pivot zero there, and is listed for that element. The k-th of each list form column n = e - z of N: J^T z is this
-// row, z combines kept rows. Independent rows of single-robot islands join these (joining_rows.hpp). Q is N
-// orthogonalised.
+// pivot zero there, and is listed for that element. Column k of N has, per element, n = e - z of its k-th listed row:
+// the row is J^T z, and z combines kept rows. Independent rows of single-robot islands join the kept rows
+// (joining_rows.hpp). Q contains the columns of N made orthogonal.
 
 #include <limits>
 #include <span>
@@ -46,10 +46,10 @@ class WaitingRows {
   S& largest_entry(int k) const { return entry_[k]; }
   /// The largest term of row k's a0 (bias_acceleration_terms), relative to which its inconsistency is judged.
   S& row_terms(int k) const { return row_terms_[k]; }
-  /// The part of row k that take_out removed.
+  /// The null-space component of entry k that take_out removed.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// Whether rows wait in any element; in which elements, including rows that joined; the redundant rows, in K's order.
+  /// Whether rows wait in any element; in which they do, counting joined rows; the redundant rows of one, in K's order.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
@@ -181,10 +181,10 @@ class WaitingRows {
   std::size_t most_;
   bool can_join_;
   std::vector<int> of_J_;       // rows of J in K's order, ascending
-  Entries of_row_, of_factor_;  // J's rows: entries of K in rows of M; of L in rows of J before them
+  Entries of_row_, of_factor_;  // J's entries in K, in M's columns; in L, in earlier rows of J
   S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // number of waiting rows; the others per row of K
   S *N_, *inverse_;                // N and Q by columns; inverse squared norms of Q's columns
-  int *count_, *listed_, *lists_;  // counts of columns and of each element's rows; rows; rows of columns
+  int *count_, *listed_, *lists_;  // counts: N's columns, each element's rows; these rows; column()
   std::vector<S> left_, x_, t_;    // t: coefficients of Q's columns in a projection
   std::vector<S> terms_, error_;   // terms of removed pivots; relative residuals of N's columns
   JoiningRows<S> joining_;

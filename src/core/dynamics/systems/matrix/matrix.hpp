@@ -73,8 +73,8 @@ class MatrixSystem final : public IslandSystem {
   double first_error = 0;      // backward error before refinement
   bool contradiction = false;  // whether the contacts are inconsistent: least squares
   WithinTolerance within;
-  double tolerated = 0;        // inconsistency allowed in rows made dependent, relative to their terms
-  std::vector<int> dependent;  // scratch: rows of J
+  double tolerated = 0;                        // inconsistency allowed in rows made dependent, relative to their terms
+  std::vector<int> dependent;                  // scratch: rows of J
   std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products if rows are dependent
 };
 
@@ -86,7 +86,7 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Computes right-hand sides with the terms of inconsistent contacts; AtSolution is alive. False: inaccurate.
+/// Computes right-hand sides with the terms of inconsistent contacts; AtSolution must be alive. False: inaccurate.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
 /// Returns a's and f's sizes, error bounds and the loads that these are relative to (bounds.cpp).
@@ -100,13 +100,13 @@ double condition_of(MatrixSystem& system);
 /// Returns the largest entry of |K^-1| w in rows first ... first+count-1 of the island, within a factor of three;
 /// forces in N and N m. w: one size per row of K, in elimination order.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-/// Returns the same for |K^-1 K^-1| w.
+/// Returns the largest entry of |K^-1 K^-1| w in these rows.
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-/// Returns c eps for a sum along the deepest chain of joints.
+/// Returns c eps, the relative rounding error of sums along the deepest chain of joints.
 double rounding(const Scene& scene, const MatrixSystem& system);
-/// Returns c eps for J: at least the residual of dropped rows, since the choice of dropped rows is not unique.
+/// Returns the relative error c eps of J: at least the residual of dropped rows, as other rows might be dropped.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// Adds |dJ| sizes (of K's unknowns) to w, in elimination order and units of c eps; J may be a difference of terms.
+/// Adds |dJ| times `sizes` (of K's unknowns) to w, in elimination order; dJ: rounding errors of J's terms over c eps.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
 /// Returns |dJ^T r| in elimination order, as r: with inconsistency r, rounding errors of J change the least-squares
@@ -125,13 +125,13 @@ bool is_evaluated(const Workspace& work, int robot);
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
-/// Evaluates the same at the current state (q, v) unless known, and allocates memory, also for sparse-bodies.
+/// Calls `evaluate` at the current state (q, v) unless that was done, and allocates memory, also for sparse-bodies.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// Computes only the bodies' placements, which products with derivatives need besides the rows at the solution.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
-/// Throws std::length_error, naming `function`, if they may not. instead: advice on what to use.
+/// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice on what to use.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// Assembles K and b = [data.tau - h; wanted - a0] from the evaluated terms, in the elimination order `order`.
@@ -180,7 +180,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the transposes of both to wq. v: l = K^+ [wa; -wf] in v.x, overwritten. False if that is inaccurate.
+/// Adds the transposes of least_norm_forces, add_contradiction to wq. v.x: K^+ [wa; -wf], scratch. False: inaccurate.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

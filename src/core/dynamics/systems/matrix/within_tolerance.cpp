@@ -150,7 +150,7 @@ double error_of_entry(const Work& w, int row, int coordinate) {
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
-// Whether changes of J within its errors can explain the residual that w.n leaves in every column.
+// Whether, in every column of J, changes within J's errors can explain the residual J^T n of a column n of N (w.n).
 bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.explained, &w.weight}) sum->setZero(p.nv);
   for (int row = 0; row < p.nc; ++row) {
@@ -195,7 +195,7 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
     for (int k = rows.Np[column]; k < rows.Np[column + 1]; ++k) w.n[rows.Ni[k]] = rows.Nx[k];
     for (int step = 0;; ++step) {
       for (double& entry : w.n)
-        if (std::abs(entry) <= tolerance::kRank) entry = 0;  // rounding, as the dropped row has entry 1
+        if (std::abs(entry) <= tolerance::kRank) entry = 0;  // a rounding error, as the dropped row has entry 1
       if (is_explained(work, d, p, w)) break;
       if (step == tolerance::kReweighted || !reweigh(p, w)) return false;
     }

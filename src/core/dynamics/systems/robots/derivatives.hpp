@@ -38,8 +38,8 @@ struct RobotsDerivatives {
     std::vector<lanes::Sampled> copied;                  // sampled columns that SIMD batches copy
     int ld = 0;                                          // leading dimension of P and H
     AlignedPanel P;                                      // K_r^-1 [E_r, B_r], with forces f, not -f
-    std::vector<double> G;     // G_r^T, nv x padded
-    std::vector<double> H;     // G_r P
+    std::vector<double> G;                               // G_r^T, nv x padded
+    std::vector<double> H;                               // G_r P
     std::vector<double> T;     // T_r^T in rows of accelerations, -T_r^T in rows of forces; by rows of G_r, padded
     std::vector<double> B;     // sampled columns of B_r, one after the other
     std::vector<double> x;     // one column of the solution, and zeros behind it
@@ -63,11 +63,11 @@ struct RobotsDerivatives {
     std::vector<int> column;    // columns of X
     AlignedPanel X;
     std::vector<double> b;    // right-hand sides of the interface rows, column after column
-    double robots_error = 0;  // error in the robots' rows; those of the interface are not refined
+    double robots_error = 0;  // largest error in the robots' rows, the only ones that refinement improves
   } sample;
   struct Buffers {              // memory of a thread
     std::vector<double> work;   // scratch of a solve with S
-    std::vector<char> nonzero;  // flags of the rows of S
+    std::vector<char> nonzero;  // one flag per row of S
     std::vector<double> E, ED;  // columns E of a panel, stored as rows; K_r^-1 E D
   };
   std::vector<Buffers> buffers;
@@ -80,7 +80,7 @@ namespace manycontact::internal {
 // Iteration over the batches of an island's robots.
 
 /// Calls step(kernel, robots, their memory, thread's memory) for each batch. A thread always has the same batches, in
-/// alternating direction, as the last are still in cache. of_solve: work of all steps together relative to a solve.
+/// alternating direction, as the last ones are still cached. of_solve: work of all steps together relative to a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

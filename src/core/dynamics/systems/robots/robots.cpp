@@ -395,7 +395,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  if (owner.deficient) return false;  // the whole K adds terms of least-norm forces
+  if (owner.deficient) return false;  // only products by the whole K have terms of least-norm forces
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });

@@ -4,7 +4,7 @@
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
-// Each SIMD batch computes its robots' terms, K_r, factor with the rows of G_r, and part of S while in cache; likewise
+// One pass over the SIMD batches computes terms, K_r, factors with the rows of G_r, and parts of S; another one solves
 // backward. The solution is refined and checked with the island's K. A single-robot island has no y.
 
 #include <map>
@@ -45,9 +45,9 @@ struct InterfaceContactGroup {
 /// SIMD batches of robots, set up by prepare.
 struct InLanes {
   const simd::Level* level = nullptr;                                               // nullptr: no batches
-  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: what plans depend on
+  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: structure, contacts, ...
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
-  // scratch of a call: its islands, in consecutive batches
+  // scratch of a call: the islands that it processes, batch after batch
   struct Batch {
     BlockGroup* group;
     int first, count;  // range of islands and robots

@@ -28,7 +28,7 @@ struct StaticTorque {
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
 /// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space, with f constant in each contact's frame. Call it
-/// after static_torque with the same `contacts`, crba and, with `contacts`, differentiate.
+/// after static_torque with the same `contacts`, after crba, and after differentiate if `contacts` is true.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);
 

@@ -1,7 +1,7 @@
 #pragma once
 // Decides whether redundant contacts are inconsistent. The definition (mathematics.md, Redundant contacts) is |P (J a +
-// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms, P the projector on the null space of J^T, unless that is within
-// rounding errors of a0's terms. In SIMD batches the scalar has one value per robot.
+// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms, P the projector on the null space of J^T, unless the left side
+// is within rounding errors of a0's terms. In SIMD batches the scalar has one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -26,8 +26,8 @@ struct RowOfContradiction {
 };
 
 /// Rounding errors that the projector P on J^T's null space transfers between rows. Null vectors y satisfy sum y_k J_k
-/// = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the rows' sizes. Over all rows j that is at most min(s_k
-/// max(t_j / s_j), max(t_j s_j) / s_k, max t_j), t the terms of a0.
+/// = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the rows' sizes. Row k receives at most
+/// min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j) from all rows j, t the terms of a0.
 template <class S>
 class PassedRounding {
  public:
@@ -89,7 +89,7 @@ struct Contradiction {
 
   /// Whether derivatives include a term of the inconsistency.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether the residual exceeds what J a and a0 allow.
+  /// Whether contacts are inconsistent, by the definition above.
   bool contradicts() const {
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }

@@ -1,7 +1,7 @@
 #pragma once
 // L D L^T of a saddle point matrix K = [M J^T; J 0] with possibly dependent rows J: rows without a remaining pivot are
 // dropped, and the null space of J^T gives their dependence on the kept rows. Everything is in K's elimination order,
-// with flags of_M for rows of M: all first, or some after rows of J if earlier rows of M determine their pivots.
+// and of_M flags the rows of M. Rows of M may follow a row of J if earlier rows of M give that row its pivot.
 //
 // For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = l_k, solved
 // in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
@@ -21,16 +21,16 @@ namespace manycontact::rank {
 /// Memory is reused: nothing is allocated for the same pattern and dependences.
 struct DependentRows {
   std::vector<int> dropped;     // rows of K: plainly dependent ones, then waiting dependent ones, each ascending
-  std::vector<char> turned;     // one flag per row of K: dropped in exchange, may depend on later rows; or empty
+  std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; or empty
   WaitingRows waiting;          // rows without a sound pivot that are kept, and rows that depend on them
-  std::vector<char> plain;      // flags of dropped rows: whether only the row itself would be accepted
+  std::vector<char> plain;      // one flag per dropped row: whether the residual of its column of N is a rounding error
   std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K, ...
   std::vector<double> Nx;       // values, the dropped row's 1 first
-  double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest row size, that of j times |z_j|
+  double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected =
       0;                    // max |z_j| of columns not orthonormalised: the projector's error is eps times its square
-  int largest_cluster = 0;  // largest number of entries of B that project a row (Cluster)
+  int largest_cluster = 0;  // largest number of entries of B in a cluster
 
   /// Whether the dropped rows depend on the kept ones with tolerable coefficients, after find_null_space: residuals of
   /// J are rounding errors, and no z_j is large in columns not orthonormalised (kRowLeft, kLargestEntry).
@@ -56,9 +56,9 @@ struct DependentRows {
   std::vector<double> least, terms, x, panel, t;
   std::vector<int> owner;
   static constexpr int kColumns = 8;  // columns of panels, which have a row for each row of K
-  std::vector<double> N, residual;    // panels: some columns of N, and J^T times these; zero but in the rows listed
-  std::vector<int> of_N, touched;     // rows of N, and of residual
-  std::vector<char> met;              // flags of the rows listed
+  std::vector<double> N, residual;    // panels: some columns of N, and J^T times these; zero except in these rows:
+  std::vector<int> of_N, touched;     // rows in which N, and residual, may be nonzero
+  std::vector<char> met;              // one flag per row of K: listed in of_N or touched
   std::vector<int> Jp, Ji;            // entries of row k of J, from Jp[k] on: K's slots, and columns in later rows of M
   bool M_first = true;                // whether no row of M follows a row of J
 };
@@ -74,7 +74,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
 [[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, int most,
                                     const double* terms, double* D, DependentRows& rows);
 
-/// Does both, and factorizes row by row.
+/// Calls least_pivots, factorizes row by row, and calls take_waiting_rows.
 [[nodiscard]] int ldl_factor_dependent(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                        std::span<const char> of_M, double margin, const double* row_size,
                                        sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);

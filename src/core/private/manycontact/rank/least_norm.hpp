@@ -15,7 +15,7 @@ namespace manycontact::rank {
 /// the augmented form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
 Eigen::VectorXd least_norm_solution(int rows, int cols, const std::vector<Eigen::Triplet<double>>& A,
                                     const Eigen::VectorXd& b);
-/// Does the same for a dense A, by that decomposition.
+/// Does the same for a dense A, by the complete orthogonal decomposition.
 Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 }  // namespace manycontact::rank

@@ -21,8 +21,8 @@ struct Pivot {
   S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative if the row itself is judged elsewhere
 };
 
-/// Whether the pivot exceeds `margin` times its rounding error. A row of M must also have its own entry: if rows of J
-/// before it swamp it, they hardly moved the joints below. Infinite or NaN terms leave nothing.
+/// Whether the pivot exceeds `margin` times its rounding error. So must the entry M_kk of a row of M: rows of J whose
+/// terms swamp it had no sound pivots themselves. False for infinite or NaN terms.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
@@ -36,12 +36,12 @@ auto has_its_sign(const Pivot<S>& p) {
 }
 
 /// Elimination amplifies the error of a small pivot of J (damping 0) in later rows, where it may look like a pivot. So
-/// for two pivots with remaining parts r and s, r s must exceed the rounding error. Pairs of M's pivots, which small
-/// masses make small, are exempt. Here any two pivots are compared.
+/// for two pivots with r and s of their terms left, r s must exceed the rounding error. Pairs of M's pivots, which
+/// small masses make small, are exempt. All earlier pivots are compared with the next one.
 template <class S>
 struct PassedOn {
-  S least = S(1), least_of_J = S(1);  // least remaining parts so far
-  /// Whether the next pivot is above that.
+  S least = S(1), least_of_J = S(1);  // least |d| / terms so far: of all pivots, of J's
+  /// Whether the next pivot, with left = |d| / terms, passes.
   auto accepts(bool of_M, const S& left) {
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
@@ -72,9 +72,9 @@ class PassedOnInTree {
 };
 
 /// Whether some pivot is only rounding error, judged more sharply by L: a pivot's error is its terms' rounding error
-/// plus l^2 times those of earlier pivots, except among M's. (In a tall tower contacts' pivots are small relative to
-/// terms, but hardly affect those below.) Rows without pivot have infinite D and no L. terms: of pivots; noise:
-/// scratch, n.
+/// plus l^2 times those of earlier pivots, except among M's. (In a tall tower pivots of contacts are small relative to
+/// their terms, but hardly affect the pivots of contacts below.) Rows without pivot have infinite D and no L. terms: of
+/// pivots; noise: scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

@@ -29,7 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a tree frame's origin, in units of rounding; zero if joints displace it along given axes.
+/// Returns the error of a tree frame's origin in units of eps; zero if joints displace it only along constant axes.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -71,7 +71,7 @@ struct RowTerms {
 };
 
 /// Returns the sizes of all terms: accelerations (including gravity), products of velocities, and terms of gains, whose
-/// error is a difference of placements. origin: error of the bodies' origins, in units of rounding.
+/// error is a difference of placements. origin: error of the bodies' origins, in units of eps.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };

@@ -38,8 +38,8 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& sym
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);
 
-/// Compute the part of a solution in those rows. X: a row-major panel of cols columns with row stride ld; row k of K is
-/// row[k] of X, or k if row is nullptr. `before` takes right-hand sides and stores w.G, which `after` overwrites.
+/// Compute the part of a solution in the joined rows. X: a row-major panel of cols columns with row stride ld; row k of
+/// K is row[k] of X, or k if row is nullptr. `before` takes right-hand sides and stores w.G, which `after` overwrites.
 void before_solve(WaitingRows& w, const int* row, const double* X, int ld, int cols);
 void after_solve(WaitingRows& w, const int* row, double* X, int ld, int cols);
 

@@ -20,7 +20,7 @@ struct BodyPattern {
   std::vector<int> hold;            // one entry per node: its index among these; -1: not one
   std::vector<int> own_first, own;  // rows of index h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
-  // most rows open at a node before its joint is eliminated; offsets of its entries: rows, rows x ndof, rows^2, D
+  // one entry per node: most rows open before its joint is eliminated; offsets of rows, rows x ndof, rows^2 numbers, D
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left after all joints are eliminated
