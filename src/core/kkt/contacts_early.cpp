@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "manycontact/algorithm/integrate.hpp"
-#include "manycontact/detail/algorithm/crba.hpp"
 #include "manycontact/kkt/choose.hpp"
-#include "manycontact/kkt/factor/factors.hpp"
 #include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/tolerances.hpp"
@@ -21,19 +18,13 @@ namespace manycontact {
 
 namespace {
 
-// M and J in one configuration, as needed by `assemble`.
-struct Numbers {
-  std::vector<std::vector<double>> M;  // one entry per robot, packed
-  std::vector<Eigen::MatrixXd> J;      // one entry per contact
-};
-
-// Computes M and J in a configuration without symmetry, `mean` +- `most` from the neutral one. It does not depend on
-// the bases, so that islands of one shape get the same order. other: phase between one robot and the next.
-Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport& support, double mean, double most,
-                   double other) {
-  Numbers numbers;
+// Computes J, a matrix for each contact, in a configuration without symmetry, `mean` +- `most` from the neutral one. It
+// does not depend on the bases, so that islands of one shape get the same order. other: phase between one robot and the
+// next.
+std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
+                                          double mean, double most, double other) {
+  std::vector<Eigen::MatrixXd> J;
   std::vector<Kinematics<double>> kin;
-  std::vector<Inertia<double>> composite;
   for (std::size_t r = 0; r < island.robots.size(); ++r) {
     const Model& model = *scene.robots[island.robots[r]].model;
     Eigen::VectorXd step(model.nv), q(model.nq);
@@ -42,17 +33,15 @@ Numbers numbers_at(const Scene& scene, const Island& island, const IslandSupport
     kin.emplace_back(model);
     forward_kinematics<double>(model, {}, q, kin.back());
     forward_accelerations<double>(model, Eigen::VectorXd::Zero(model.nv), nullptr, scene.gravity, kin.back());
-    numbers.M.emplace_back(model.M_begin[model.nv]);
-    crba<double>(model, kin.back(), composite, numbers.M.back().data());
   }
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     ContactData<double> data(contact, support.contacts[c]);
     contact_rows<double>(scene, contact, support.contacts[c], kin[local_robot(island, robot_of(contact))],
                          contact.B.robot < 0 ? nullptr : &kin[local_robot(island, contact.B.robot)], data);
-    numbers.J.push_back(std::move(data.J));
+    J.push_back(std::move(data.J));
   }
-  return numbers;
+  return J;
 }
 
 // Scales rows to unit length: the part that coordinates contribute to a row is compared with the whole row.
@@ -134,12 +123,11 @@ class Clusters {
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
 // A contact is ready once its eliminated coordinates that no other contact has used up move it in as many directions as
-// it has rows, by at least `distinct`. It uses up the coordinates that do this best. J: unit rows in several
+// it has rows, by at least kDistinct. It uses up the coordinates that do this best. J: unit rows in several
 // configurations, in all of which this must be true. A loop's contact is ready once all its coordinates are eliminated:
 // these are few, and independent rows then have sound pivots in every configuration.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
-                               const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
-                               double distinct) {
+                               const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots) {
   const int ncontacts = static_cast<int>(island.contacts.size());
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
   for (int c = 0; c < ncontacts; ++c)
@@ -171,7 +159,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
             const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_posture[c](Eigen::all, available));
             for (Eigen::Index k = 0; std::ssize(best) < std::min(rows, most); ++k)
               best.push_back(columns[available[qr.colsPermutation().indices()[k]]]);
-            return loop || std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct;
+            return loop || std::abs(qr.matrixQR()(rows - 1, rows - 1)) > tolerance::kDistinct;
           });
       if (!ready) continue;
       for (int column : best) used[column] = 1;
@@ -189,99 +177,20 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
   return predicted_cost_ldl(K.n, sparse::ldl_count(sparse::permute(K, sparse::inverse(perm))));
 }
 
-// Returns M and J in three configurations; in the last one, legs are nearly straight.
-std::vector<Numbers> some_postures(const Scene& scene, const Island& island, const IslandSupport& support) {
-  std::vector<Numbers> out;
-  for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
-    out.push_back(numbers_at(scene, island, support, mean, most, 3));
-  return out;
-}
-
-// Whether the pivots of an order keep a large margin in several configurations.
-bool holds(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
-           const std::vector<int>& perm, double most_growth, std::vector<Numbers>& postures) {
-  if (postures.empty()) postures = some_postures(scene, island, support);
-  KktMatrix matrix;
-  matrix.reset(std::make_shared<const KktPattern>(analyze(scene, island, support, K, Order::kContactsEarly, perm)));
-  // No schedule, since an order is factorized only a few times. If rows depend on others in the first configuration, a
-  // factor that drops them follows: the proximal one for many rows, which stores no null space.
-  std::unique_ptr<Factor> factor = make_ldl_factor(Method::kSuiteSparseLdl);
-  FactorScratch scratch;
-  bool first = true;
-  return std::all_of(postures.begin(), postures.end(), [&](const Numbers& numbers) {
-    std::vector<std::span<const double>> M(numbers.M.begin(), numbers.M.end()), J;
-    for (const Eigen::MatrixXd& rows : numbers.J) J.emplace_back(rows.data(), static_cast<std::size_t>(rows.size()));
-    assemble(M, J, 0, matrix);
-    matrix.row_scale = 0;
-    for (const Eigen::MatrixXd& rows : numbers.J)
-      if (rows.size() > 0) matrix.row_scale = std::max(matrix.row_scale, rows.cwiseAbs().maxCoeff());
-    Reason reason = factor->factorize(matrix, scratch);
-    if (std::exchange(first, false) && reason != Reason::kNone) {
-      factor = island.nc > tolerance::kFewRows ? make_proximal_factor() : make_waiting_ldl_factor();
-      reason = factor->factorize(matrix, scratch);
-    }
-    return reason == Reason::kNone && factor->growth() < most_growth;
-  });
-}
-
 }  // namespace
 
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  std::vector<Numbers> postures;  // computed on demand
-  std::vector<std::vector<Eigen::MatrixXd>> J{of_unit_rows(numbers_at(scene, island, support, 0.3, 0.2, 0).J)};
+  std::vector<std::vector<Eigen::MatrixXd>> J;  // in the last configuration, legs are nearly straight
+  for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
+    J.push_back(of_unit_rows(jacobians_at(scene, island, support, mean, most, 3)));
   std::vector<int> robots(island.robots.size());
   std::iota(robots.begin(), robots.end(), 0);
-  const std::vector<int> by_degree = robots.size() > 2 ? robots_by_degree(scene, island) : robots;
-  const bool alone = robots.size() == 1;
-  // If this order is no cheaper than contacts last, its pivots need not be tested. For one robot, contacts that wait
-  // longer make it no cheaper, and their order among themselves matters little.
-  std::vector<int> natural(K.n);
-  std::iota(natural.begin(), natural.end(), 0);
-  const double most =
-      tolerance::kCheaper * cost(K, leaf_to_root_order(scene, island, alone ? natural : camd_order(scene, island, K)));
-  using Ordered = std::pair<std::vector<int>, double>;  // an order and its cost
-  const auto ordered = [&](const std::vector<int>& of_robots, double distinct) {
-    std::vector<int> perm = with_contacts(scene, island, support, J, of_robots, distinct);
-    const double of_perm = cost(K, perm);
-    return Ordered(std::move(perm), of_perm);
-  };
-  // Returns the orders that follow the robots' numbers and their degrees, the preferred one first.
-  const auto orders_by = [&](double distinct) {
-    std::vector<Ordered> out{ordered(robots, distinct)};
-    if (by_degree != robots) out.push_back(ordered(by_degree, distinct));
-    if (out.back().second < tolerance::kCheaper * out.front().second) std::swap(out.front(), out.back());
-    return out;
-  };
-  double cheapest = std::numeric_limits<double>::infinity();
-  // A far more expensive order is not even factorized: around a hub the factorization would take too long.
-  const auto is_affordable = [&](const Ordered& order) { return order.second <= tolerance::kFarDearer * cheapest; };
-  const auto sound = [&](const Ordered& order) {
-    return order.second < most && is_affordable(order) &&
-           holds(scene, island, support, K, order.first, tolerance::kMostGrowth, postures);
-  };
-  std::vector<int> perm;
-  double least = 0;
-  for (const double distinct : tolerance::kMoreDistinct) {
-    std::vector<Ordered> orders = orders_by(distinct);
-    for (const Ordered& order : orders) cheapest = std::min(cheapest, order.second);
-    const auto found = std::find_if(orders.begin(), orders.end(), sound);
-    Ordered& best = found == orders.end() ? orders.front() : *found;
-    least = best.second;
-    if (!is_affordable(best)) break;  // the cheaper orders were not tested
-    perm = std::move(best.first);
-    if (found != orders.end() || (least >= most && alone)) break;
-  }
-  if (island.contacts.size() < tolerance::kManyContacts || postures.empty()) return perm;
-  // Among many contacts on a hub some are ill-placed in all tests. It may be far cheaper to delay only these.
-  for (const Numbers& numbers : postures) J.push_back(of_unit_rows(numbers.J));
-  auto [other, of_other] = std::move(orders_by(tolerance::kWaitDistinct).front());
-  const double most_growth =
-      tolerance::kMostGrowth * static_cast<double>(island.contacts.size()) / tolerance::kGrowTogether;
-  const bool better =
-      of_other < tolerance::kFarCheaper * least && holds(scene, island, support, K, other, most_growth, postures);
-  return better ? std::move(other) : std::move(perm);
+  std::vector<int> by_number = with_contacts(scene, island, support, J, robots);
+  if (robots.size() <= 2) return by_number;
+  std::vector<int> by_degree = with_contacts(scene, island, support, J, robots_by_degree(scene, island));
+  return cost(K, by_degree) < tolerance::kCheaper * cost(K, by_number) ? by_degree : by_number;
 }
 
 }  // namespace manycontact

@@ -88,9 +88,6 @@ inline constexpr double kDroppedDamping = 1e200;
 /// Most waiting rows of one robot in a SIMD batch: each has a column of its null space, which is dense there.
 inline constexpr std::size_t kMostWaitingInBatch = 64;
 
-/// An order in which some contacts on a hub wait for longer is chosen if it costs less than this part of the other.
-inline constexpr double kFarCheaper = 0.5;
-
 /// Number of coordinates of an island from which on sparse-bodies drops rows itself. For smaller islands a factor of
 /// the whole K takes no longer, and serves derivatives, too.
 inline constexpr int kFewCoordinates = 100;
@@ -180,8 +177,7 @@ inline constexpr int kRefinementSteps = 5;  // the error halves at least; two ar
 inline constexpr double kConverged = 1e-12;
 
 /// Growth of K's entries that costs a third of the digits: one refinement step squares that error to below eps. Beyond,
-/// panels are judged by their own residuals, and in contacts-early contacts wait for more joints (ten on a hub count as
-/// one).
+/// panels are judged by their own residuals.
 inline constexpr double kMostGrowth = 1e6;
 
 /// Backward error above which panels of derivatives are refined once. It is that of the unrefined solve or, if larger,
@@ -303,17 +299,8 @@ inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtended
 inline constexpr double kCheaper = 0.9;
 
 /// The last pivot of a QR decomposition of some of J's columns, relative to the length of J's rows, that is required of
-/// the coordinates before a contact that is eliminated early. If pivots of K fail nevertheless, more is required.
+/// the coordinates before a contact that is eliminated early.
 inline constexpr double kDistinct = 1e-3;
-/// The values tried in turn; the last one is taken whatever its result.
-inline constexpr double kMoreDistinct[] = {kDistinct, 3e-2, 1e-1};
-/// Orders of more than this many times the predicted cost of another are not tested. A larger kDistinct makes an order
-/// a few times more expensive, and thousands of times if a hub is then eliminated before its contacts.
-inline constexpr double kFarDearer = 100;
-/// An island with so many contacts has ill-placed ones on a hub in each configuration tested. These wait, for
-/// kWaitDistinct, if the order then costs less than kFarCheaper; ten contacts may add the growth of one.
-inline constexpr std::size_t kManyContacts = 100;
-inline constexpr double kWaitDistinct = 3 * kDistinct, kGrowTogether = 10;
 
 /// At most 1 / kZeros of a relaxed supernode are structural zeros; columns with fewer than kShort entries stay as is.
 inline constexpr int kZeros = 12, kShort = 16;
