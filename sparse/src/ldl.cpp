@@ -136,12 +136,7 @@ void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* A
 }
 
 void ldl_solve(const LdlSymbolic& s, const double* Lx, const double* D, double* x) {
-  for (int j = 0; j < s.n; ++j)  // x = L \ x
-    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) x[s.Li[k]] -= Lx[k] * x[j];
-  for (int j = s.n - 1; j >= 0; --j) {  // x = L^T \ (D \ x)
-    x[j] /= D[j];
-    for (int k = s.Lp[j]; k < s.Lp[j + 1]; ++k) x[j] -= Lx[k] * x[s.Li[k]];
-  }
+  ldl_solve_panel(s, Lx, D, nullptr, x, 1, 0, 1, nullptr);
 }
 
 void pivot_terms(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* Lx, const double* D,

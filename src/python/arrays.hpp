@@ -12,7 +12,6 @@
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Core>
-#include <cmath>
 
 #include "manycontact/abi.hpp"
 #include "manycontact/spatial/scalar.hpp"

@@ -3,7 +3,6 @@
 #include <pybind11/stl.h>
 
 #include <Eigen/SparseCore>
-#include <atomic>
 #include <memory>
 #include <sstream>
 

@@ -1,6 +1,5 @@
 #include "manycontact/contact/jacobian.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 #include <string>
 

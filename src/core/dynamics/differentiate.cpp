@@ -1,7 +1,6 @@
 #include "manycontact/dynamics/differentiate.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 

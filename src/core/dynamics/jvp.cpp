@@ -1,6 +1,5 @@
 #include "manycontact/dynamics/jvp.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "internal.hpp"

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "internal.hpp"
-#include "manycontact/sparse/condition.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {

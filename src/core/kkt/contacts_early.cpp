@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -123,11 +124,12 @@ class Clusters {
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
 // A contact is ready once its eliminated coordinates that no other contact has used up move it in as many directions as
-// it has rows, by at least kDistinct. It uses up the coordinates that do this best. J: unit rows in several
+// it has rows, by at least `distinct`. It uses up the coordinates that do this best. J: unit rows in several
 // configurations, in all of which this must be true. A loop's contact is ready once all its coordinates are eliminated:
 // these are few, and independent rows then have sound pivots in every configuration.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
-                               const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots) {
+                               const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
+                               double distinct) {
   const int ncontacts = static_cast<int>(island.contacts.size());
   std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
   for (int c = 0; c < ncontacts; ++c)
@@ -159,7 +161,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
             const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(of_posture[c](Eigen::all, available));
             for (Eigen::Index k = 0; std::ssize(best) < std::min(rows, most); ++k)
               best.push_back(columns[available[qr.colsPermutation().indices()[k]]]);
-            return loop || std::abs(qr.matrixQR()(rows - 1, rows - 1)) > tolerance::kDistinct;
+            return loop || std::abs(qr.matrixQR()(rows - 1, rows - 1)) > distinct;
           });
       if (!ready) continue;
       for (int column : best) used[column] = 1;
@@ -182,15 +184,22 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  std::vector<std::vector<Eigen::MatrixXd>> J;  // in the last configuration, legs are nearly straight
+  std::vector<std::vector<Eigen::MatrixXd>> J;  // one entry per configuration; legs are nearly straight in the last
   for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
     J.push_back(of_unit_rows(jacobians_at(scene, island, support, mean, most, 3)));
-  std::vector<int> robots(island.robots.size());
-  std::iota(robots.begin(), robots.end(), 0);
-  std::vector<int> by_number = with_contacts(scene, island, support, J, robots);
-  if (robots.size() <= 2) return by_number;
-  std::vector<int> by_degree = with_contacts(scene, island, support, J, robots_by_degree(scene, island));
-  return cost(K, by_degree) < tolerance::kCheaper * cost(K, by_number) ? by_degree : by_number;
+  std::vector<std::vector<int>> orders(1);  // the robots by number, and by degree
+  orders[0].resize(island.robots.size());
+  std::iota(orders[0].begin(), orders[0].end(), 0);
+  if (island.robots.size() > 2) orders.push_back(robots_by_degree(scene, island));
+  std::vector<int> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const double distinct : tolerance::kDistinct)
+    for (const std::vector<int>& robots : orders) {
+      std::vector<int> perm = with_contacts(scene, island, support, J, robots, distinct);
+      const double of_perm = cost(K, perm), most = &robots == &orders[0] ? least : tolerance::kCheaper * least;
+      if (of_perm < most) best = std::move(perm), least = of_perm;
+    }
+  return best;
 }
 
 }  // namespace manycontact

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "manycontact/sparse/condition.hpp"
-#include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
 namespace manycontact {

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "manycontact/rank/dependent_rows.hpp"
-#include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/sparse/ordering.hpp"
 #include "manycontact/sparse/refine.hpp"
 #include "manycontact/sparse/tolerances.hpp"

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <tuple>
 
-#include "manycontact/analysis/names.hpp"
 #include "manycontact/analysis/near_dependent.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/control/integrated_action.hpp"

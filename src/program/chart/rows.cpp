@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <iostream>
 
-#include "../text/table.hpp"
 #include "chart.hpp"
 #include "manycontact/dynamics/views.hpp"
 #include "truth.hpp"

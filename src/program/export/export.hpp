@@ -2,7 +2,6 @@
 // `manycontact export`: the systems K x = b of a scene's islands, and exact solutions, as Matrix Market files.
 
 #include <Eigen/SparseCore>
-#include <filesystem>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "../command/command.hpp"
 #include "../files/csv_read.hpp"
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/model/suggestion.hpp"

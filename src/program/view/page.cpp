@@ -3,7 +3,6 @@
 #include "page.hpp"
 
 #include <bit>
-#include <cstring>
 #include <ostream>
 
 #include "../command/command.hpp"

@@ -11,7 +11,6 @@
 #include "manycontact/analysis/ranks.hpp"
 #include "manycontact/analysis/text.hpp"
 #include "manycontact/model/expect_state.hpp"
-#include "manycontact/sparse/decompositions.hpp"
 
 namespace manycontact {
 

@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "manycontact/sparse/union_find.hpp"
-#include "resisting_forces.hpp"
 
 namespace manycontact::internal {
 

@@ -55,7 +55,7 @@ struct ResistingSprings {
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
   std::vector<int> used;       // rows that are not left out
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;                        // of with_D
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // factor of with_D
   Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used if `factor` fails
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // sparse J K^-1 J^T: of all rows; of `used` rows
   Eigen::SparseMatrix<double> S;

@@ -1,7 +1,6 @@
 #include <stdexcept>
 
 #include "internal.hpp"
-#include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/dynamics/views.hpp"

@@ -299,8 +299,8 @@ inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtended
 inline constexpr double kCheaper = 0.9;
 
 /// The last pivot of a QR decomposition of some of J's columns, relative to the length of J's rows, that is required of
-/// the coordinates before a contact that is eliminated early.
-inline constexpr double kDistinct = 1e-3;
+/// the coordinates before a contact that is eliminated early. The second is chosen if the order is then cheaper.
+inline constexpr double kDistinct[] = {1e-2, 1e-3};
 
 /// At most 1 / kZeros of a relaxed supernode are structural zeros; columns with fewer than kShort entries stay as is.
 inline constexpr int kZeros = 12, kShort = 16;

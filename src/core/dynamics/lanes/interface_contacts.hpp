@@ -2,7 +2,6 @@
 // InterfaceContacts on packs S = Pack<W>.
 
 #include <array>
-#include <limits>
 
 #include "arrays.hpp"
 #include "lanes.hpp"

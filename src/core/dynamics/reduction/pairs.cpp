@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "../internal.hpp"
-#include "manycontact/dynamics/give_up_solution.hpp"
 #include "reduction.hpp"
 
 namespace manycontact::internal {

@@ -1,7 +1,5 @@
 #include "manycontact/dynamics/truth.hpp"
 
-#include <algorithm>
-
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/algorithm/joint_friction.hpp"
 #include "manycontact/detail/algorithm/crba.hpp"

@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "../internal.hpp"
-#include "manycontact/contact/pair_rows.hpp"
 #include "manycontact/detail/model/inputs.hpp"
 #include "manycontact/dynamics/give_up_solution.hpp"
 #include "manycontact/model/suggestion.hpp"

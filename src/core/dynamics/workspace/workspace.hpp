@@ -3,7 +3,6 @@
 
 #include <map>
 #include <optional>
-#include <span>
 
 #include "../applied_forces.hpp"
 #include "../derivatives/linearisation.hpp"

@@ -23,7 +23,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
   double last = std::numeric_limits<double>::infinity();
   for (int k = 1; k < tolerance::kMostApplications; ++k, last = left_) {
     before_ = probes_;
-    apply_to_probes();
+    apply(probes_.data(), kProbes, kProbes, nullptr);
     measure_drift();
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
@@ -45,14 +45,6 @@ void ProximalFactor::start_probes() {
       random = random * 1664525u + 1013904223u;
       probe(p.iperm[row])[c] = row < p.nv ? 0 : random >> 31 ? 1 : -1;
     }
-}
-
-// probes <- E probes
-void ProximalFactor::apply_to_probes() {
-  const KktPattern& p = *ldl_.pattern;
-  ldl_.solve_in_order(probes_.data(), kProbes, kProbes);
-  for (int k = 0; k < p.size(); ++k)
-    for (int c = 0; c < kProbes; ++c) probe(k)[c] *= of_M(k) ? 0 : -delta_;
 }
 
 // Returns the largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest

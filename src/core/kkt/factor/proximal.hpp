@@ -187,21 +187,15 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // Y <- E X for panels with all of K's rows. The rows of M are zero in X, and therefore in Y.
-  void apply_panel(double* X, int ld, int cols) {
+  // X <- E X for the first `cols` columns of a row-major panel with row stride ld, whose row k of K is row[k]; nullptr:
+  // row k. The rows of M are zero before and after.
+  void apply(double* X, int ld, int cols, const int* row) {
     std::fill(nonzero_.begin(), nonzero_.end(), 1);
-    ldl_.solve_panel(X, ld, 0, cols, nonzero_.data());
-    const int* perm = ldl_.pattern->perm.data();
-    for (int k = 0; k < ldl_.pattern->size(); ++k) {
-      double* x = X + static_cast<std::ptrdiff_t>(perm[k]) * ld;
+    row ? ldl_.solve_panel(X, ld, 0, cols, nonzero_.data()) : ldl_.solve_in_order(X, ld, cols);
+    for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) {
+      double* x = X + (row ? row[k] : k) * ld;
       for (int c = 0; c < cols; ++c) x[c] *= of_M(k) ? 0 : -delta_;
     }
-  }
-
-  // w <- E w for the contact rows of w. The rows of M are zero before and after.
-  void apply(double* w) {
-    ldl_.solve(w);
-    for (std::size_t k = 0; k < w_.size(); ++k) w[k] *= of_M(k) ? 0 : -delta_;
   }
 
   sparse::Refinement refine(const KktMatrix& K, KktVectors& v);
@@ -212,7 +206,6 @@ class ProximalFactor final : public Factor {
   void project(double* y, double* null_component, double left);
   bool certify(FactorScratch& scratch);
   void start_probes();
-  void apply_to_probes();
   bool of_M(std::size_t k) const { return ldl_.pattern->of_M[k] != 0; }
   double* probe(int k) { return probes_.data() + static_cast<std::ptrdiff_t>(k) * kProbes; }
   double* terms_of(int k) { return sums_.data() + static_cast<std::ptrdiff_t>(k) * 2 * kProbes; }

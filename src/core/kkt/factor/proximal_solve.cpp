@@ -19,7 +19,7 @@ void ProximalFactor::project(double* y, double* null_component, double left) {
     for (std::size_t k = 0; k < w_.size(); ++k) w_[k] = of_M(k) ? 0 : y[k];
     double found = 0;
     for (int k = 0; k < applications_; ++k) {
-      apply(w_.data());
+      apply(w_.data(), 1, 1, nullptr);
       found = sparse::largest(w_);
       if (found <= left * size) break;
     }
@@ -48,7 +48,7 @@ void ProximalFactor::apply_to_columns(int cols, int times) {
   const KktPattern& p = *ldl_.pattern;
   std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
-  for (int k = 0; k < times; ++k) apply_panel(W_.data(), kChunk, cols);
+  for (int k = 0; k < times; ++k) apply(W_.data(), kChunk, cols, p.perm.data());
 }
 // X_ -= W_ in the rows of the null space.
 void ProximalFactor::take_out_of_columns(int cols) {

@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 
-#include "../nodes/nodes.hpp"
 #include "manycontact/control/fit.hpp"
 #include "step_lengths.hpp"
 

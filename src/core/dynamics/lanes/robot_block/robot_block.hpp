@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <limits>
 #include <type_traits>
 
 #include "../../derivatives/jacobian_rate.hpp"

@@ -1,7 +1,6 @@
 #include "bodies.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <tuple>
 

@@ -10,12 +10,9 @@
 //
 // where drho is the uncertainty of rho: its rounding error, and all of rho if derivatives omit its term.
 
-#include <limits>
-
 #include "../../applied_forces.hpp"
 #include "../../internal.hpp"
 #include "manycontact/sparse/panel_kernels.hpp"
-#include "manycontact/sparse/tolerances.hpp"
 #include "matrix.hpp"
 #include "row_terms.hpp"
 

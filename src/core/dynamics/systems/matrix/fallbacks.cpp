@@ -1,7 +1,6 @@
 // Factorizes an island's whole K by the first sound method, from the chosen one to the dense reference solver.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -3,7 +3,6 @@
 #include "derivatives.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 

@@ -2,8 +2,6 @@
 // The forward path in any scalar: in quadruple precision (library manycontact_quad) it is the reference for solutions
 // in double. Its cost is linear: K x = b is refined with residuals in S and a factor in double.
 
-#include <span>
-
 #include "manycontact/dynamics/data.hpp"
 #include "manycontact/kkt/dense.hpp"
 

@@ -2,7 +2,6 @@
 // Islands with the same trees and contacts share all analyses, which do not depend on the state.
 
 #include <array>
-#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>

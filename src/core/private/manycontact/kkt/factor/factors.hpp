@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
 
 #include "manycontact/kkt/factor/factor.hpp"
 
