@@ -21,7 +21,6 @@
 #include "manycontact/control/rk.hpp"
 #include "manycontact/control/shooting.hpp"
 #include "manycontact/control/solver.hpp"
-#include "manycontact/control/solver_kkt.hpp"
 #include "manycontact/control/symplectic.hpp"
 #include "manycontact/control/tpl.hpp"
 #include "manycontact/control/unicycle.hpp"

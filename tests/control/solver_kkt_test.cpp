@@ -1,6 +1,6 @@
 // SolverKKT solves linear-quadratic problems in one step, and nonlinear ones to FDDP's optimum.
 
-#include "manycontact/control/solver_kkt.hpp"
+#include "solver_kkt.hpp"
 
 #include <gtest/gtest.h>
 

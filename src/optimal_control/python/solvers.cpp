@@ -3,7 +3,6 @@
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/callbacks.hpp"
 #include "manycontact/control/kkt_residual.hpp"
-#include "manycontact/control/solver_kkt.hpp"
 #include "manycontact/detail/control/sparse.hpp"
 
 namespace manycontact::python {
@@ -195,11 +194,6 @@ void add_solver_classes(py::module_& m) {
       .property("th_acceptNegStep", &SolverFDDP::get_th_acceptnegstep, &SolverFDDP::set_th_acceptnegstep);
   shared<SolverBoxDDP, PySolver<SolverBoxDDP>, D>(m).constructors<void(Problem)>(Unlocked());
   shared<SolverBoxFDDP, PySolver<SolverBoxFDDP>, SolverFDDP>(m).constructors<void(Problem)>(Unlocked());
-  shared<SolverKKT, SolverAbstract>(m)
-      .constructors<void(Problem)>(Unlocked())
-      .def("calcDiff", &SolverKKT::calcDiff, Unlocked())
-      .read<&SolverKKT::get_kkt, &SolverKKT::get_kktref, &SolverKKT::get_primaldual, &SolverKKT::get_dxs,
-            &SolverKKT::get_dus, &SolverKKT::get_lambdas>();
   shared<SolverSparse, PySolver<SolverSparse>, SolverFDDP>(m)
       .constructors<void(Problem, bool)>(Unlocked())
       .def("blocks", &SolverSparse::blocks);

@@ -1,16 +1,16 @@
-#include "manycontact/control/solver_kkt.hpp"
+#include "solver_kkt.hpp"
 
 #include <Eigen/LU>
+#include <cmath>
 
 #include "manycontact/control/fit.hpp"
-#include "step_lengths.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 
 using Eigen::Index;
 
-SolverKKT::SolverKKT(std::shared_ptr<ShootingProblem> problem)
-    : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()) {
+SolverKKT::SolverKKT(std::shared_ptr<ShootingProblem> problem) : SolverAbstract(std::move(problem)) {
+  for (int n = 0; n < 10; ++n) alphas_.push_back(std::ldexp(1, -n));
   SolverKKT::resizeData();
 }
 
@@ -130,4 +130,4 @@ double SolverKKT::calcDiff() {
   return cost_;
 }
 
-}  // namespace manycontact
+}  // namespace manycontact::test

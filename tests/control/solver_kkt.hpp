@@ -10,7 +10,7 @@
 
 #include "manycontact/control/solver.hpp"
 
-namespace manycontact {
+namespace manycontact::test {
 
 class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
  public:
@@ -46,4 +46,4 @@ class SolverKKT : public SolverAbstract {  // A solver with one dense matrix.
   double cost_try_ = 0, th_grad_ = 1e-12;
 };
 
-}  // namespace manycontact
+}  // namespace manycontact::test
