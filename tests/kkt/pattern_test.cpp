@@ -182,8 +182,12 @@ TEST(ContactsEarly, FillsLessThanContactsLast) {
   const std::deque<IslandNumbers> islands = islands_of(legged);
   const KktPattern& early = *islands[0].shape.pattern(Order::kContactsEarly);
   const KktPattern& last = *islands[0].shape.pattern(Order::kLeafToRoot);
-  for (int leg = 0; leg < 4; ++leg)
-    for (int row = 0; row < 3; ++row) EXPECT_LT(early.iperm[18 + 3 * leg + row], early.iperm[5]);
+  int before_body = 0;  // one leg is too weak a lever in a posture, and its rows wait for a coordinate of the body
+  for (int row = 18; row < 30; ++row) {
+    EXPECT_LT(early.iperm[row], early.iperm[0]);
+    before_body += early.iperm[row] < early.iperm[5];
+  }
+  EXPECT_EQ(before_body, 9);
   EXPECT_LT(early.ldl.nonzeros(), last.ldl.nonzeros());
   EXPECT_LT(early.ldl.flops, last.ldl.flops);
 }

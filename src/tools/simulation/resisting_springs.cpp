@@ -19,7 +19,6 @@ namespace {
 
 constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring is negligible
 constexpr double kNothing = 1e-12;       // D J M^-1 J^T of a row without effect
-constexpr std::size_t kFewRows = 64;     // most rows for a dense factor in any case
 constexpr std::size_t kMostRows = 3000;  // most rows `used` for a dense factor, if ...
 constexpr double kMostZeros = 8;         // ... at least one in this many entries is nonzero
 constexpr int kFewNumbers = 32;          // most unit forces on an island for which each takes a solve

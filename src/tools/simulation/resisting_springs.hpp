@@ -55,8 +55,8 @@ struct ResistingSprings {
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
   std::vector<int> used;       // rows that are not left out
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;                        // factor of with_D
-  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used if `factor` fails
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
   std::vector<Eigen::Triplet<double>> entries, own_entries;  // sparse J K^-1 J^T: of all rows; of `used` rows
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
@@ -69,6 +69,7 @@ struct ResistingSprings {
 };
 
 constexpr double kIdle = 1e-300;      // value of D for a row that is left out
+constexpr std::size_t kFewRows = 64;  // most rows for one dense factor of all rows
 
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
 /// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all. Returns false if that fails.

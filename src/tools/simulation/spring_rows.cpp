@@ -7,6 +7,17 @@ namespace {
 // Whether a row takes part: those along springs, or all.
 bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
 
+// Factorizes few rows; rows that take no part are decoupled.
+void factorize_few(bool all, ResistingSprings& s) {
+  s.with_D = s.C;
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    if (!takes_part(s.rows[i], all)) s.with_D.row(k).setZero(), s.with_D.col(k).setZero();
+    s.with_D(k, k) += 1 / s.rows[i].D;
+  }
+  s.pivoted_factor.compute(s.with_D);
+}
+
 void factorize_dense(bool all, ResistingSprings& s) {
   s.used.clear();
   for (std::size_t i = 0; i < s.rows.size(); ++i)
@@ -50,12 +61,14 @@ bool factorize_sparse(bool all, ResistingSprings& s) {
 
 bool factorize_rows(bool all, ResistingSprings& s) {
   if (!s.is_dense) return factorize_sparse(all, s);
-  factorize_dense(all, s);
+  s.rows.size() <= kFewRows ? factorize_few(all, s) : factorize_dense(all, s);
   return true;
 }
 
 void solve_rows(ResistingSprings& s, Eigen::VectorXd& x) {
-  if (s.is_dense)
+  if (s.rows.size() <= kFewRows)
+    s.pivoted_factor.solveInPlace(x);
+  else if (s.is_dense)
     solve_dense(s, x);
   else
     x = s.sparse_factor.solve(x).eval();

@@ -188,13 +188,13 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Adds LDL with waiting rows of J. In large islands where too many rows may wait, it adds LDL with all rows if their
-// pivots are expected to be sound (`plainly`), and then proximal steps. At least nc - nv rows are dependent.
+// Adds LDL with waiting rows of J, unless too many depend: at least nc - nv. Then, and in large islands where too many
+// rows may wait, it adds proximal steps, and before these LDL with all rows if their pivots may be sound (`plainly`).
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
-  const bool large = m.owner.island.nc > tolerance::kFewRows;
   const int depend = m.owner.island.nc - m.owner.island.nv;
-  if (!large || depend <= tolerance::kMostWaiting) out.add({FactorKind::kWaiting, order, 0});
-  if (!large) return;
+  const bool few_depend = depend <= tolerance::kMostWaiting;
+  if (few_depend) out.add({FactorKind::kWaiting, order, 0});
+  if (few_depend && m.owner.island.nc <= tolerance::kFewRows) return;
   if (plainly && depend <= 0) out.add({FactorKind::kChosen, order, 0});
   out.add({FactorKind::kProximal, order, 0});
 }
