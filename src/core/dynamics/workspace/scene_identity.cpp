@@ -18,7 +18,7 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
 
 namespace {
 
-// Compares bitwise, so that NaN equals itself.
+// Whether x and y differ in any bit, so that NaN equals itself.
 template <class Matrix>
 bool differ(const Matrix& x, const Matrix& y) {
   return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;

@@ -27,8 +27,8 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the usable elements in which every row has a sound pivot, joins the kept rows by a Schur
-/// complement, or is dependent (waiting_rows.hpp).
+/// Computes L and D. Returns the usable elements where each row has a sound pivot, joins, or is dependent
+/// (waiting_rows.hpp).
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -81,7 +81,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in open elements. Returns the elements where all entries of x change by at most kSameSize of theirs.
+/// Sets x += K^-1 r in open elements. Returns the elements where each entry of x changes by up to kSameSize of itself.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -168,8 +168,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether terms of contact rows are up to kInDoubt delta |f|, or kLeastLoad of the loads if larger than |f|; rounding
-/// errors then do not spoil damped rows.
+/// Whether terms of damped contact rows are up to kInDoubt delta |f|, |f| at least kLeastLoad of the loads.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();

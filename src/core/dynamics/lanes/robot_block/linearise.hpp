@@ -18,8 +18,7 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
 }
 
-/// Evaluates kinematics and contact rows at the solution, K and its factor. memory: used for coupled robots; if nullptr,
-/// only kinematics of coupled robots are evaluated.
+/// Evaluates kinematics and rows at the solution, K and its factor; of coupled robots with memory nullptr: kinematics.
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {

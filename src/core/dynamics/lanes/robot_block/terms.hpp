@@ -113,7 +113,7 @@ void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   for (std::vector<Vec6<S>>* motion : {&kin.v, &kin.a}) std::fill(motion->begin(), motion->end(), Vec6<S>::Zero());
 }
 
-/// Stores the contacts' velocities J v at the start of a simulation step, v the robots' velocities.
+/// Stores J x, the velocities of contact rows after a simulation step; x are the velocities that were solved for.
 template <class S>
 void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
   double* to[kMostInBatch];
