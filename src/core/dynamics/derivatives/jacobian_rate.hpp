@@ -5,8 +5,8 @@
 //   ds_i/dq_k = -s_k x s_i   k above A:  if i is above B', or above A on a joint above k's joint
 //                            k above B': if i is above B', on k's joint or on a joint below
 //
-// and zero otherwise. Rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A, even
-// if k is above both bodies; th_k is the axis of k. Products sum s_i along two chains, in linear time.
+// and zero otherwise. Rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A,
+// even if k is above both bodies; th_k is the axis of k. Products sum s_i along two chains, in linear time.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 

@@ -23,7 +23,7 @@ TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, c
 template <class S>
 VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u);
 
-/// Solves one island: writes its a and f into `out`, and appends its rank and whether K is regular.
+/// Solves one island: writes its a and f into `out`, and appends its rank and `regular` (kkt/dense.hpp).
 template <class S>
 void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& island, const std::vector<int>& f_offset,
                  const VecX<S>& u, Truth<S>& out);

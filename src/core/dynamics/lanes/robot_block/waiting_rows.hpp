@@ -73,8 +73,8 @@ class WaitingRows {
     *count_ = 1;
   }
 
-  /// Computes N and Q after the factorization. Returns the usable elements whose waiting rows all join the kept rows, or
-  /// depend on kept rows with tolerable coefficients z. solve(x): x <- K1^-1 x, K1 the K of kept rows.
+  /// Computes N and Q after the factorization. Returns the usable elements whose waiting rows all join the kept rows,
+  /// or depend on kept rows with tolerable coefficients z. solve(x): x <- K1^-1 x, K1 the K of kept rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
