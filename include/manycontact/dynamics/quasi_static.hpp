@@ -34,9 +34,9 @@ struct Unbalanced {
   bool angular = false;  // whether the coordinate is an angle
 };
 
-/// Computes u as the first overload does, with the active flags and wrenches of the scene, and a new SceneData.
-/// unbalanced: if not nullptr, set to the robots that u and the contacts do not keep at rest. Residuals up to 1e-6 of
-/// the load are attributed to rounded numbers in files.
+/// Computes u as the first overload does, with the active flags and wrenches of the scene, and a new SceneData. The
+/// list `unbalanced`, unless nullptr, is set to the robots that u and the contacts do not keep at rest. Residuals up to
+/// 1e-6 of the load are attributed to rounded numbers in files.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q,
                              std::vector<Unbalanced>* unbalanced = nullptr);
 

@@ -62,7 +62,7 @@ struct SystemQuality {
   /// max_k |r_k| / (|K| |x| + |b|)_k, r = b - K x: the smallest relative change of K's and b's entries with which x is
   /// exact (Oettli, Prager, Numer. Math. 6, 1964). Divisors are at least eps times the largest divisor.
   double componentwise_backward_error;
-  /// |r| / (|K| |x| + |b|) in the maximum norm: the smallest change of K and b, relative to their norms, with which x is
+  /// |r| / (|K| |x| + |b|) in the maximum norm: the smallest change of K and b, relative to their norms, that makes x
   /// exact (Rigal, Gaches, J. ACM 14, 1967).
   double normwise_backward_error;
   /// The largest term in the sum of a pivot, over the largest diagonal entry of K; 1 for the dense factor.

@@ -47,10 +47,10 @@ void estimate_condition(const Scene& scene, SceneData& data);
 
 /// Bounds the errors of each island's a and f after a solve, in the maximum norm, and stores the bounds in the report.
 /// A copy of the solution is refined with residuals in double-double (Precision::kExtended). The bound is the distance
-/// of the solution to the copy plus the copy's uncertainty: the last correction of the copy and, except in precision
-/// `extended`, the rounding of the scene's numbers when they were read. The bound is usually less than a thousand times
-/// the error. The cost is about ten solves. The copy may not converge, because rows are dependent only by rounding or
-/// because of Scene::tolerance. The bound is then
+/// to the copy plus the copy's uncertainty: the copy's last correction and, except in precision `extended`, the
+/// rounding of the scene's numbers when they were read. The bound is usually less than a thousand times the error. The
+/// cost is about ten solves. The copy may not converge, because rows are dependent only by rounding or because of
+/// Scene::tolerance. The bound is then
 ///
 ///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + terms of K and b))
 ///

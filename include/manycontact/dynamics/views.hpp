@@ -52,8 +52,8 @@ const ContactData<double>& contact_at_solution(const SceneData& data, int contac
 const ContactDerivatives& contact_derivatives(const SceneData& data, int contact);
 
 /// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for robot_kinematics and
-/// composite_inertias. Discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that
-/// `solve` would refuse.
+/// composite_inertias. Discards the solution. Throws std::invalid_argument for a wrong size, or q or v that solve
+/// refuses.
 void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);
 
 }  // namespace manycontact

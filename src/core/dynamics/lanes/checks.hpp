@@ -58,8 +58,7 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Accepts or rejects the pivots of a factorization in order. passed_on_more: factor on the threshold of two successive
-/// pivots.
+/// Accepts or rejects pivots of a factorization in order. passed_on_more: factor on the threshold of successive pivots.
 template <class S>
 class PivotJudge {
  public:

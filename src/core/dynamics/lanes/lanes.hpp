@@ -119,8 +119,7 @@ class RobotBlocks {
   /// Writes job.a, and job.f of contacts on single robots.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
 
-  /// Computes panels: derivatives of single-robot islands with Answer::panel_is_safe, or K_r^-1 [E, B_r] of coupled
-  /// robots.
+  /// Computes panels: derivatives of single-robot islands with panel_is_safe, or K_r^-1 [E, B_r] of coupled robots.
   virtual void differentiate(const DerivativeJob& job, std::span<Robot> robots, double* memory,
                              std::span<const Panel> panels) = 0;
   /// Compute products with the derivatives of single-robot islands, by a solve that is refined once.

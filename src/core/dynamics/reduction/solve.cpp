@@ -88,8 +88,7 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists dependent rows: in pairs, the rows outside the chosen basis, and basis rows that depend on other contacts
-// (contact/pair_rows.hpp).
+// Lists dependent rows: in pairs, rows outside the basis, and basis rows that depend on others (contact/pair_rows.hpp).
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };

@@ -6,8 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Calls work(item, thread's memory) for items 0 ... count-1. Thread k mod (number of threads) has item k. Throws as
-/// run_items does.
+/// Calls work(item, thread's memory) for items 0 ... count-1. Thread k mod (number of threads) has item k. Throws
+/// what `work` throws.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
   run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count),

@@ -27,8 +27,8 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the usable elements where each row has a sound pivot, joins, or is dependent
-/// (waiting_rows.hpp).
+/// Computes L and D. Returns the usable elements where each row has a sound pivot, joins the kept rows, or depends on
+/// kept rows (waiting_rows.hpp).
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();

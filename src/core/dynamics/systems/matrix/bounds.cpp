@@ -93,7 +93,6 @@ void internal::torque_terms(const Model& model, const RobotData& r, const double
   }
 }
 
-// Returns c eps, the relative rounding error of a sum along the deepest chain of joints.
 double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;
   for (int r : m.owner.island.robots)

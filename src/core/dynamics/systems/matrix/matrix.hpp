@@ -182,8 +182,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the adjoints of least_norm_forces and add_contradiction to p.wq. v.x: K^+ [wa; -wf], scratch. Returns whether
-/// they are accurate.
+/// Adds the adjoints of least_norm_forces, add_contradiction to p.wq. v.x: K^+ [wa; -wf], scratch. False: inaccurate.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

@@ -119,8 +119,8 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   return true;
 }
 
-// Overwrites a panel X with row stride ld by K^+ X: calls solve(whether to refine), refines again if needed. Returns
-// whether the result is accurate.
+// Overwrites a panel X, row stride ld, by K^+ X with refinement as needed. solve(refined): solves with or without
+// refinement. Returns whether the result is accurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;

@@ -1,5 +1,3 @@
-// Computes derivatives robot by robot.
-
 #include "derivatives.hpp"
 
 #include <algorithm>
@@ -263,8 +261,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
-// Computes the panels of all robots and, in X, the interface rows of -S Y for `answer`. Returns whether the sampled
-// columns are accurate.
+// Computes all robots' panels and, in X, -S Y for `answer`. Returns whether the sampled columns are accurate.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;

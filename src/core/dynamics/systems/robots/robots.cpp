@@ -1,5 +1,3 @@
-// Solves islands of several robots in SIMD batches.
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
