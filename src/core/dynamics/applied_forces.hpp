@@ -1,6 +1,6 @@
 #pragma once
 // External wrenches and springs in solves and derivatives. Their torques are part of tau in K x = [tau - h; ...], not
-// of K. Derivatives with respect to torques on all coordinates are combined with those of tau(q, v, w):
+// of K. Derivatives with respect to torques on all coordinates are combined with derivatives of tau(q, v, w):
 //
 //     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
 

@@ -39,7 +39,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
 /// The largest number of robots in a SIMD batch: 16 floats in a 512-bit register.
 inline constexpr int kMostInBatch = 16;
 
-/// Returns a pack of floats with the elements of `a`, then those of `b`.
+/// Returns a pack of floats with the elements of `a`, then the elements of `b`.
 template <int H, std::size_t... I>
 Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
   typedef float Half __attribute__((vector_size(sizeof(float) * H)));

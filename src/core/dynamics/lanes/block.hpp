@@ -39,7 +39,7 @@ struct BlockPlan {
   Island island;
   int alone = 0;                              // number of contacts on the robot alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
-  std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
+  std::shared_ptr<const KktPattern> inner;    // pattern of K_r, without the border, in the order of `pattern`
   sparse::LdlSchedule bordered;               // schedule of all columns except the border's; empty without a border
   std::vector<ContactSupport> supports;
 

@@ -55,7 +55,7 @@ struct Solution {
 /// those with respect to q, v and u of the robot, from q_first, v_first, u_first on.
 struct DerivativeJob : Solution {
   DerivativeRequest request;
-  int q_first, v_first, u_first, columns;  // columns: their number, a multiple of 8
+  int q_first, v_first, u_first, columns;  // columns: number of columns, a multiple of 8
   bool non_temporal;                       // whether panels are written past the caches, as together they do not fit
 };
 
@@ -87,7 +87,7 @@ class RobotBlocks {
     double* ends = nullptr;   // one MovingEnd per coupling contact, later EndForce in its place
     const double *x = nullptr, *b = nullptr;  // inputs of `check`, in the order of the plan's island
     Border border = {};
-    // Results; the comment begins with the step that sets them.
+    // Results; each comment names the steps (functions below) that set the member.
     bool sound = false;                              // false: another system must solve
     double motion = 0;                               // evaluate: motion scale of the contacts on the robot alone
     double terms = 0, diagonal = 0;                  // factor: the largest pivot term and diagonal entry of K

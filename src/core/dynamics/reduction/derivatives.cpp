@@ -1,4 +1,4 @@
-// Computes derivatives and error bounds of the scene from those of the reduced scene.
+// Computes derivatives and error bounds of the scene from derivatives and error bounds of the reduced scene.
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,9 @@
 #pragma once
-// Reduction of redundant contacts: a pair is one contact that replaces several contacts between the same two bodies and
-// whose rows span theirs (contact/pair_rows.hpp). Accelerations are those of all contacts. The forces of the replaced
-// contacts are f = S Q y: y of the pair, Q orthonormal columns, S row units. The reduced scene has the contacts of the
-// scene, inactive if in pairs, and then the pairs. There is one pair per set of active contacts; sets are kept.
+// Reduction of redundant contacts: a pair is one contact that replaces several contacts between the same two bodies;
+// its rows span the rows of these contacts (contact/pair_rows.hpp). Accelerations are those of all contacts. The forces
+// of the replaced contacts are f = S Q y: y of the pair, Q orthonormal columns, S row units. The reduced scene has the
+// contacts of the scene, inactive if in pairs, and then the pairs. There is one pair per set of active contacts; sets
+// are kept.
 
 #include <map>
 #include <memory>

@@ -47,7 +47,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-// Allocates the system that solves each island first, unless SIMD batches do, which have their own memory.
+// Allocates the first system that tries to solve each island. SIMD batches have their own memory.
 void make_first_systems(const Scene& scene, Workspace& w) {
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
@@ -110,7 +110,7 @@ void forget_unused(Workspace& w) {
   internal::forget_unused_groups(w);
 }
 
-// Moves the memory of derivatives into the islands, so that the pool keeps it with them.
+// Moves the memory of derivatives into the islands, so that it goes with an island to the pool and back.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);

@@ -102,7 +102,7 @@ template <class S>
 void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
-  chunks_.clear();  // so that they are formed again if an allocation throws
+  chunks_.clear();  // so that chunks are formed again if an allocation throws
   std::vector<std::vector<char>> reach(ld / kPart, std::vector<char>(size, 0));
   const auto set = [&](int row, int column) { reach[column / kPart][inner_.iperm[row]] = 1; };
   for (std::size_t k = 0; k < plan_->joins(); ++k)
@@ -249,7 +249,7 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: redundant rows of these, or nullptr.
+/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: their redundant rows, or nullptr.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {

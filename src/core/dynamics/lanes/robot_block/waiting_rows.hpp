@@ -184,7 +184,7 @@ class WaitingRows {
   Entries of_row_, of_factor_;  // entries of J in K; entries of L between rows of J
   S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // number of waiting rows; others: one per row of K
   S *N_, *inverse_;                // N and Q by columns; inverse squared norms of Q's columns
-  int *count_, *listed_, *lists_;  // number of N's columns, then of each element's rows; these rows; memory of list()
+  int *count_, *listed_, *lists_;  // number of N's columns, then of each element's rows; the rows; memory of list()
   std::vector<S> left_, x_, t_;    // scratch: J^T n; a vector in K's order; coefficients of Q's columns
   std::vector<S> terms_, error_;   // terms of removed pivots; relative residual J^T n of each column of N
   JoiningRows<S> joining_;

@@ -32,7 +32,7 @@ struct TwistSize {
   }
 };
 
-// Magnitudes of an inertia's mass m, first moment h and moments I, or of the terms they were computed from if larger.
+// Magnitudes of an inertia's mass m, first moment h and moments I, or of the terms of their sums if larger.
 struct InertiaSize {
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
@@ -139,7 +139,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
   const int* iperm = m.K.pattern->iperm.data();
-  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // both in the island's order
+  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // w and a are in the island's order
   for (int k = 0; k < m.owner.island.nv; ++k) a[k] = s.x[iperm[k]];
   for (std::size_t k = 0; k < m.owner.island.robots.size(); ++k) {
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];

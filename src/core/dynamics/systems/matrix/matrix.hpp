@@ -130,7 +130,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 /// Computes the placements of an island's bodies at the current q, for products with derivatives.
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
-/// Whether joint-space terms may be allocated; for sparse-bodies these may have up to kMostJointSpace numbers.
+/// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
 /// Throws std::length_error, naming `function`, unless joint_space_fits. instead: what the message advises to use.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);

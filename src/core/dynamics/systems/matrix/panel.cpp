@@ -45,7 +45,7 @@ void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool r
     m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }
 
-// Solves in chunks of columns; each chunk visits only rows with nonzero right-hand sides, and those they fill in.
+// Solves in chunks of columns; each chunk visits only rows with nonzero right-hand sides and their fill-in.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());

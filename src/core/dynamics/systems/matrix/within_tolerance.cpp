@@ -309,7 +309,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // terms of the error of N^T J' v: by N, and by changes of J and of v at both ends
+  constexpr int kFactors = 4;  // error terms of N^T J' v: by N, and by changes of J and of v at bodies A and B
   return kFactors * largest * w.tolerance / w.lever;
 }
 

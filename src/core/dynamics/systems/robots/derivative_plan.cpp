@@ -146,7 +146,7 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;
   if (!d.robots &&
       costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
-    d.joinable = false;  // independent of the request: both costs grow with its columns
+    d.joinable = false;  // independent of the request, as the costs by K and by robots grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;
   if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);

@@ -74,7 +74,7 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
 sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
   const auto pairs = [](double rows) { return rows * (rows - 1) / 2; };
   std::vector<double> of_robot(shape.island().robots.size(), 0.0);
-  std::map<std::pair<int, int>, double> of_two;  // rows between two robots; of_robot of both counts these rows
+  std::map<std::pair<int, int>, double> of_two;  // rows between two robots, counted for both in of_robot
   for (const Contact& contact : shape.scene().contacts) {
     if (!joins_two(contact)) continue;
     const auto [a, b] = std::minmax(contact.A.robot, contact.B.robot);

@@ -47,7 +47,7 @@ struct InLanes {
   const simd::Level* level = nullptr;  // instruction level; nullptr: no SIMD batches
   std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: group_of in plan.cpp
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
-  // scratch of solve_alone, differentiate_alone: their islands and robots, batch after batch
+  // scratch of solve_alone and differentiate_alone: the islands and robots of the call, batch after batch
   struct Batch {
     BlockGroup* group;
     int first, count;  // range in `islands` and `robots`
