@@ -127,7 +127,7 @@ struct Workspace {
 
   // set by evaluate, update_kinematics
   OnDemand<RobotData> robots;
-  OnDemand<ContactSupport> supports;       // constant; for contacts whose J was needed
+  OnDemand<ContactSupport> supports;       // constant; made for contacts whose J was evaluated
   OnDemand<ContactData<double>> contacts;  // constraint rows, at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // one entry per contact: the `state` at which its rows were evaluated
 

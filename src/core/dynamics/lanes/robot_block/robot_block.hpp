@@ -285,7 +285,7 @@ class RobotBlock final
   std::vector<ContactDerivativesOf<S>> contact_terms_;
   std::vector<std::vector<int>> columns_;  // coordinates of J's columns, one list per contact
   std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may be nonzero
-  DerivativeRequest request_;              // the request that reach_ belongs to
+  DerivativeRequest request_;              // the request for which reach_ was computed
   std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
   // Whether right-hand sides B, and L^-1 B, may be nonzero: per chunk, one flag per row of K, in K's order.

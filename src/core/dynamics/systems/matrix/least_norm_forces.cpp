@@ -92,7 +92,7 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Finds the contacts with rows in J^T's null space. Returns a zero panel, one column per coordinate that changes their J.
+// Finds the contacts with rows in J^T's null space. Returns a zero panel of coordinates that change their J.
 Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;
