@@ -47,7 +47,7 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t c = 0; c < contacts_.size(); ++c)
     if (const char* what = changed(contacts_[c], scene.contacts[c]))
       return "contact '" + scene.contacts[c].name + "' has another " + what;
-  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // without any forces, equal to every scene
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // a scene without any is accepted
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {
