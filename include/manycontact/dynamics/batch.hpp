@@ -1,5 +1,5 @@
 #pragma once
-// Many states of one scene: solved, differentiated and pulled back in several threads.
+// Solves many states of one scene in several threads, also with derivatives and vector-Jacobian products.
 //
 //     BatchData batch(scene);                                   // a SceneData per thread
 //     solve_batch(scene, {Q, V, U}, batch, A, F, status);       // row k of A, F: the solution at row k of Q, V, U
@@ -31,12 +31,12 @@ namespace internal {
 struct Failure;
 }
 
-/// The memory of the threads. If the robots of one state do not fill a SIMD batch, several states are solved together,
-/// as one scene with one copy per SIMD element. A second call with as many states does not allocate in them, under the
-/// conditions stated at `solve` and `differentiate`. It belongs to the scene it was made for. Only one batch function
-/// may use it at a time.
+/// The memory of the threads of a batch. If the robots of one state do not fill a SIMD batch, several states are solved
+/// together, as one scene with one copy per SIMD element. Threads do not allocate in a second call with as many states,
+/// under the conditions stated at `solve` and `differentiate`. A BatchData belongs to the scene it was made for. Only
+/// one batch function may use it at a time.
 struct BatchData {
-  /// threads: 0 takes as many as OpenMP offers, or one if the library was built without OpenMP. Throws
+  /// threads: 0 takes OpenMP's number of threads, or one if the library was built without OpenMP. Throws
   /// std::invalid_argument if a number of threads is negative or above kMostThreads.
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
 
@@ -50,15 +50,15 @@ struct BatchData {
     std::shared_ptr<BatchCopies> copies = nullptr;  // created when first needed
   };
   std::vector<Thread> threads;
-  std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace: the failure of each thread
+  std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace: one exception per thread
 };
 
 /// The number of constraint rows of the active contacts, which is the number of columns of F.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// If an island fails, all functions below set its results to NaN, and the status of its state to kFailed. The other
-// states are solved all the same. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
-// thread in the whole program, so that only one batch may run at a time.
+// If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed; they
+// solve the other states nevertheless. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
+// thread in the whole program. Therefore only one batch may run at a time.
 
 /// Solves every state, as `solve` does. A (nv columns) receives the accelerations and F (force_rows columns) the
 /// contact forces. Throws std::invalid_argument before anything is computed if a size is wrong or the data belong to
@@ -69,7 +69,7 @@ void solve_batch(const Scene& scene, const BatchStates& states, BatchData& batch
 
 /// Solves every state and differentiates its solution. Each row of D receives the derivatives of [a; f] with respect to
 /// [q v u], a row-major matrix of (nv + force_rows) x (2 nv + nu) numbers in the scene's order. Throws as solve_batch
-/// does. For large scenes `differentiate` takes far less memory, since it returns one set of blocks per island.
+/// does. For large scenes `differentiate` takes far less memory, as it stores only the diagonal blocks of islands.
 void differentiate_batch(const Scene& scene, const BatchStates& states, BatchData& batch, BatchRows A, BatchRows F,
                          BatchRows D, std::span<Status> status);
 
@@ -79,8 +79,8 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status);
 
-/// Also computes WW, the product with respect to the external wrenches, with 6 columns for each of them in its own axes
-/// (`ExternalWrench::reference_frame`).
+/// Computes the same products, and WW, the product with respect to the external wrenches: 6 columns per wrench, in the
+/// wrench's own axes (`ExternalWrench::reference_frame`).
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status);
 

@@ -1,8 +1,8 @@
 #pragma once
-// The variable part of a scene: inputs other than q, v, u, the solution, and the workspace. Use one per thread. The
-// Scene is only read and may be shared by threads.
+// SceneData is the variable part of a scene: inputs other than q, v, u, the solution, and the workspace. Use one
+// SceneData per thread. The Scene is only read and may be shared by threads.
 //
-// Data belong to the scene they were made for. While they are in use, the following members of the scene may change:
+// A SceneData belongs to the scene it was made for. While it is in use, the following members of the scene may change:
 //
 // - gravity, damping, tolerance and moment_length;
 // - the placements of fixed bases;
@@ -10,9 +10,9 @@
 // - everything of external wrenches and springs except their bodies.
 //
 // The following may not change: robots and their models, the number of contacts, the type, A, axis and body of B of a
-// contact, and the bodies of external wrenches and springs. Every function that takes a scene and data throws
-// std::invalid_argument if they differ; new data are needed then. (A copy of the scene without any external
-// wrenches and springs may be solved with the same data.)
+// contact, and the bodies of external wrenches and springs. If they did, every function that takes the scene and the
+// data throws std::invalid_argument, and a new SceneData is needed. (Exception: a copy of the scene without any
+// external wrenches and springs may be solved with the data of the scene.)
 
 #include <cstdint>
 #include <memory>
@@ -37,7 +37,7 @@ struct Solution {
 struct Workspace;  // private to the module dynamics
 
 struct SceneData : Solution {                                           // The variable part of a scene, one per thread.
-  explicit SceneData(const Scene& scene, const Options& options = {});  // makes data for this scene alone
+  explicit SceneData(const Scene& scene, const Options& options = {});  // for use with this scene only
   ~SceneData();
   SceneData(SceneData&&) noexcept;  // the moved-from data belong to no scene
   SceneData& operator=(SceneData&&) noexcept;
@@ -50,19 +50,19 @@ struct SceneData : Solution {                                           // The v
   std::unique_ptr<Workspace> workspace;
 };
 
-/// Finds the islands for data.active and sets up their systems, unless this was done already. `solve` calls it. A set
-/// of contacts that was analysed before is not analysed again, and only islands whose contacts were switched change.
-/// Throws std::invalid_argument if the data belong to another scene, or if `active` has a wrong size. Thread-safe for
-/// distinct data. The cost is that of a symbolic factorization for each new island.
+/// Finds the islands (robots coupled by active contacts) for data.active and sets up their systems, unless this was
+/// done already. `solve` calls `prepare`. Sets of contacts that occurred before are not analysed again, and only
+/// islands whose contacts were switched change. Throws std::invalid_argument if the data belong to another scene, or if
+/// `active` has a wrong size. Thread-safe for distinct data. The cost is a symbolic factorization for each new island.
 void prepare(const Scene& scene, SceneData& data);
 
 /// The names of the rows of f: "left[0]", ... Call it after prepare or solve.
 std::vector<std::string> force_names(const Scene& scene, const SceneData& data);
 
-/// The force of a contact, given by name or number: the rows of f that the contact exerts on A, expressed in its
-/// reference frame [N, N m]. The view remains valid until the next call with the data. Throws std::invalid_argument for
-/// a contact that does not exist, and suggests the nearest name. Throws std::logic_error if the contact is not active,
-/// or before the first solve.
+/// The force of a contact, given by name or number: the contact's rows of f, exerted on A and expressed in the
+/// contact's reference frame [N, N m]. The view remains valid until the next call with the data. Throws
+/// std::invalid_argument for a contact that does not exist, and suggests the nearest name. Throws std::logic_error if
+/// the contact is not active, or before the first solve.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
                                                         const std::string& contact);
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact);

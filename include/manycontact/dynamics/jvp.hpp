@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-// Products with the derivatives of (a, f) = solve(q, v, u) at the last solve, computed by solves with its factor and by
+// Products with the derivatives of (a, f) = solve(q, v, u) at the last solve, by solves with the last factor and by
 // tree recursions. No derivative matrix is formed. Derivatives with respect to q are on the tangent space.
 
 /// Computes da = da/dq dq + da/dv dv + da/du du and df = df/dq dq + df/dv dv + df/du du. Sizes: dq, dv, da have
@@ -20,8 +20,8 @@ void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const Co
 void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,
          VectorRef wv, VectorRef wu);
 
-/// These overloads include the external wrenches, each in its own axes (`ExternalWrench::reference_frame`): dw and ww
-/// have 6 entries per external wrench of the scene.
+/// These overloads of jvp and vjp include the external wrenches: dw and ww have 6 entries per wrench of the scene, in
+/// the wrench's own axes (`ExternalWrench::reference_frame`).
 void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const ConstVectorRef& dv,
          const ConstVectorRef& du, const ConstVectorRef& dw, VectorRef da, VectorRef df);
 void vjp(const Scene& scene, SceneData& data, const ConstVectorRef& wa, const ConstVectorRef& wf, VectorRef wq,

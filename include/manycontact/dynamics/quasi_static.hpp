@@ -10,33 +10,33 @@ namespace manycontact {
 ///
 ///     [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0),
 ///
-/// where S selects the actuated joints, J contains the active contacts, w are the external wrenches `data.wrenches`,
-/// and tau_s are the torques of the springs. If the scene cannot be kept at rest, the residual is not zero; see
-/// Unbalanced.
+/// where S selects the actuated joints, J contains the rows of active contacts, and f are contact forces. Gravity
+/// torques are h(q, 0), external wrenches w (`data.wrenches`), and torques of springs tau_s. If no torques keep the
+/// scene at rest, the residual is not zero; see Unbalanced.
 ///
-/// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or is
-/// refused by solve(). Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). `data` is
-/// used as workspace for kinematics, so that derivatives need a new solve afterwards. Thread-safe for distinct data.
+/// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or `solve`
+/// would refuse it. Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). The call
+/// discards the solution in `data`, so derivatives need a new solve afterwards. Thread-safe for distinct data.
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneData& data);
 
-/// Computes controls u that give the torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. Here
-/// tau0 has scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
+/// Computes controls u of torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. Here tau0 has
+/// scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                              const Eigen::SparseMatrix<double>& B, SceneData& data);
 
-/// A robot that no torques keep at rest, and its coordinate with the largest residual of the equation above. The
-/// residual is compared with the size of gravity and applied forces on each coordinate.
+/// A robot that no torques keep at rest, and the coordinate with the largest residual of the quasi_static equation,
+/// relative to the loads by gravity and applied forces on the coordinate.
 struct Unbalanced {
   int robot = 0;
   int dof = -1;          // one of that robot's velocity coordinates
-  double force = 0;      // size of the residual there [N; N m if it is angular]
+  double force = 0;      // size of the residual at this coordinate [N; N m if angular]
   bool angular = false;  // whether the coordinate is an angle
 };
 
-/// Computes the torques with the active flags and wrenches of the scene. It makes data of its own, and so allocates.
-/// unbalanced: set to the robots that these torques and the contacts do not keep at rest, unless it is nullptr. A part
-/// of a load up to 1e-6 is attributed to rounded numbers in files.
+/// Computes u as the first overload does, with the active flags and wrenches of the scene, and a new SceneData. The
+/// list `unbalanced`, unless nullptr, is set to the robots that u and the contacts do not keep at rest. Residuals up to
+/// 1e-6 of the load are attributed to rounded numbers in files.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q,
                              std::vector<Unbalanced>* unbalanced = nullptr);
 

@@ -4,8 +4,8 @@
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v) ]
 //     [ J  -delta I] [ -f ] = [  prescribed - a0  ]
 //
-// Without gravity and at v = 0 the same equations solve an impact: a is the velocity after it, tau the momentum before
-// it, and -f the impulse.
+// Without gravity and at v = 0 these equations also solve an impact: a is the velocity after the impact, tau the
+// momentum before the impact, and f the impulse.
 
 #include "manycontact/dynamics/solve.hpp"
 

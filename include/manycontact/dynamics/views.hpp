@@ -1,11 +1,11 @@
 #pragma once
 // Intermediate results of a solve: islands, K, kinematics, and the Jacobians of contacts. All functions throw
-// std::logic_error if there is no solution, or none that has the requested result. References remain valid until the
-// next call that changes the data.
+// std::logic_error if there is no solution, or if the solver did not compute the requested result. References remain
+// valid until the next call that changes the data.
 //
-// Functions that take the scene evaluate terms that the solver left out, at the cost of evaluating one island, or of
-// assembling its K: SIMD batches (`Options::simd_level`) keep accelerations and forces alone. They are thread-safe only
-// if these terms exist already. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
+// SIMD batches (`Options::simd_level`) store only accelerations and forces. Functions with an argument `scene` evaluate
+// the missing terms, at the cost of evaluating one island or of assembling its K. These functions are thread-safe only
+// if the terms exist already. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>
@@ -29,12 +29,12 @@ int island_with_robot(const SceneData& data, int robot);
 /// The method and order chosen for an island when it was set up. Its report contains the method that computed the
 /// solution.
 Choice chosen_method(const SceneData& data, std::size_t i);
-/// K = [M J^T; J -delta I] of an island at the last solve, nv + nc rows, both triangles, in the island's order. Its
+/// K = [M J^T; J -delta I] of an island at the last solve: nv + nc rows, both triangles, in the island's order. Here
 /// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Allocates.
 Eigen::SparseMatrix<double> kkt_matrix(const Scene& scene, const SceneData& data, std::size_t i);
 
-/// The kinematics of a robot's bodies in its tree frame (detail/algorithm/kinematics.hpp) at the last q, v. The
-/// accelerations are those for zero joint accelerations.
+/// The kinematics of a robot's bodies in the robot's tree frame (detail/algorithm/kinematics.hpp) at the last q, v. The
+/// bodies' accelerations are those for zero joint accelerations.
 const Kinematics<double>& robot_kinematics(const Scene& scene, const SceneData& data, int robot);
 /// The inertia of each joint's subtree in the tree frame [kg, kg m, kg m^2].
 std::span<const Inertia<double>> composite_inertias(const Scene& scene, const SceneData& data, int robot);
@@ -52,8 +52,8 @@ const ContactData<double>& contact_at_solution(const SceneData& data, int contac
 const ContactDerivatives& contact_derivatives(const SceneData& data, int contact);
 
 /// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for robot_kinematics and
-/// composite_inertias. It discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that
-/// solve would refuse.
+/// composite_inertias. Discards the solution. Throws std::invalid_argument for a wrong size, or q or v that solve
+/// refuses.
 void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);
 
 }  // namespace manycontact

@@ -49,7 +49,7 @@ DerivativeRequest by_all_torques(DerivativeRequest request) {
 
 namespace {
 
-// Calls use(first coordinate in the scene's v, first in the island's v, count) for each robot on which forces act.
+// Calls use(first coordinate in the scene, first coordinate in the island, count) for each robot with applied forces.
 template <class Use>
 void each_block(const Scene& scene, const Island& island, const AppliedForces<double>& forces, Use&& use) {
   for (std::size_t k = 0; k < island.robots.size(); ++k)
@@ -57,7 +57,7 @@ void each_block(const Scene& scene, const Island& island, const AppliedForces<do
       use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
 }
 
-// Adds l^T dtau/dq and l^T dtau/dv to row `row` of X, and sets that row of W to l^T J_F^T, with l = s.l.
+// With l = s.l: adds l^T dtau/dq and l^T dtau/dv to row `row` of X, and sets row `row` of W to l^T J_F^T.
 void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
              AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
   each_block(scene, island, forces, [&](int at, int, int n) {
@@ -75,7 +75,7 @@ void add_row(const Scene& scene, const SceneData& data, const Island& island, co
     std::copy_n(s.ww.data() + 6 * out.wrenches[k], 6, &out.W(row, 0) + 6 * k);
 }
 
-// Takes each row of d/dtau as l, and adds its products with dtau/dq, dtau/dv and J_F^T.
+// Calls add_row for all rows of X, with l the row of derivatives with respect to all torques.
 void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
                AppliedWork::OfThread& s, IslandDerivatives& out) {
   const int rows = out.request.forces ? island.size() : island.nv;
@@ -86,11 +86,11 @@ void join_rows(const Scene& scene, const SceneData& data, const Island& island, 
       s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(by_tau + first, n);
       any = any || !s.l.segment(at, n).isZero(0);
     });
-    if (any) add_row(scene, data, island, forces, s, row, out);  // otherwise the row of W stays zero
+    if (any) add_row(scene, data, island, forces, s, row, out);  // if not, the row of W stays zero
   }
 }
 
-// Moves the requested torque columns to the left; fills the rest with zeros, or NaN without derivatives.
+// Moves the columns of requested torques to the left. Other columns become zero, or NaN if the derivatives failed.
 void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   if (request.u && request.tau) return;

@@ -1,6 +1,6 @@
 #pragma once
-// External wrenches and springs in solves and derivatives. They are torques on the right of K x = b: K is unchanged,
-// and b = [tau - h; ..] is linear in them. Derivatives by all torques are combined with those of tau(q, v, w):
+// External wrenches and springs in solves and derivatives. Their torques are part of tau in K x = [tau - h; ...], not
+// of K. Derivatives with respect to torques on all coordinates are combined with derivatives of tau(q, v, w):
 //
 //     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
 
@@ -14,11 +14,11 @@ struct SceneData;
 struct IslandWork;
 struct Workspace;
 
-/// External wrenches and springs that act in a scene, as of the last solve. Scenes without them do not allocate it.
+/// External wrenches and springs at the last solve; allocated only for scenes that have any.
 struct AppliedWork {
   explicit AppliedWork(const Scene& scene);
 
-  bool act = false;              // whether they act in the current solution
+  bool act = false;              // whether wrenches or springs act in the current solution
   std::vector<Vec6<double>> w;   // wrenches of the last solve
   AppliedForces<double> forces;  // wrenches on bodies at the state of the last solve
   struct OfThread {              // scratch
@@ -39,14 +39,14 @@ void add_applied_forces(const Scene& scene, SceneData& data, const double* q, co
 /// Whether a spring on the island's robots has no direction.
 bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);
 
-/// The request that `differentiate` uses where forces are applied: with respect to torques on all coordinates.
+/// Changes a request such that torques on all coordinates are variables, as join_applied_forces needs.
 DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Combines the derivatives of by_all_torques(request) with those of the applied torques; keeps those of `request`.
+/// Adds derivatives of applied torques to those of by_all_torques(request), and removes columns not in `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// Adds the terms of applied forces to the right-hand sides R.X, and J_F^T to R.W; R is laid out.
+/// Adds the derivatives of applied torques to the right-hand sides R.X, and J_F^T to R.W. R: allocated by lay_out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
-/// Returns magnitudes of applied torques and of their derivatives at the current solution; zero where no forces act.
+/// Returns magnitudes of applied torques and of their derivatives at the current solution, per coordinate.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);
 
 }  // namespace internal

@@ -12,7 +12,7 @@
 
 namespace manycontact {
 
-/// Several copies of a scene, one after the other in one scene, and the data of that scene.
+/// A scene that consists of `count` copies of another scene, and its data.
 struct BatchCopies {
   BatchCopies(const Scene& of, int copies, const Options& options);
 
@@ -122,7 +122,7 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   internal::check_size(function, "status", static_cast<Eigen::Index>(status.size()), count);
 }
 
-// The least number of states for which copies pay off: all copies together cost as much as two single solves.
+// The least number of states for which one solve of all copies is cheaper: it costs as much as two single solves.
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
@@ -142,13 +142,13 @@ void prepare_copies(const Scene& scene, BatchData& batch) {
   }
 }
 
-// Concatenates rows first, first+1, ... of X, one per copy; copies beyond the last state repeat its row.
+// Concatenates rows first, first+1, ... of X, one per copy. Copies beyond the last row of X repeat the last row.
 void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::VectorXd& out) {
   for (std::ptrdiff_t k = 0; k < copies; ++k)
     out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
 }
 
-// The scene that was solved, or its copies, each with its own state.
+// The result of one solve: of one state, or of several states by copies of the scene.
 struct Solved {
   const Scene& scene;
   SceneData& data;
@@ -160,7 +160,7 @@ struct Solved {
   std::size_t islands() const { return data.report.islands.size() / count(); }  // islands per state
 };
 
-// Writes a copy's segment of x, a vector of all states solved at once, into the row of X of its state.
+// Copies a copy's segment of x, a vector of all states solved at once, to the row of X of the copy's state.
 void put(const Eigen::VectorXd& x, const Solved& s, int copy, BatchRows X) {
   row_of(X, s.first + copy) = x.segment(copy * X.cols(), X.cols());
 }
@@ -172,7 +172,7 @@ Status status_of(const Solved& s, int copy) {
   return worst;
 }
 
-// Solves the states first ... first+states-1, as copies in one scene or one after the other, and calls use(Solved).
+// Solves states first ... first+states-1, as copies in one scene or one by one. Calls use(Solved) after each solve.
 template <class Use>
 void solve_some(const Scene& scene, const BatchStates& s, BatchData::Thread& thread, std::ptrdiff_t first, int states,
                 std::span<Status> status, Use&& use) {
@@ -223,7 +223,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   });
 }
 
-// Writes d[a; f]/d[q v u] of one copy in the scene's order, row-major, from the islands' blocks. nf: length of its f.
+// Writes d[a; f]/d[q v u] of one copy, row-major in the scene's order, from the islands' blocks. nf: length of f.
 void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
   const DerivativeData& dd = derivatives(s.data);
   const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // offsets of the copy's coordinates
@@ -280,7 +280,7 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
 
 namespace {
 
-// WW: nullptr if not requested.
+// Computes vjp of all states. WW: nullptr if not requested.
 void products_of_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA,
                        const ConstBatchRows& WF, BatchData& batch, BatchRows& WQ, BatchRows& WV, BatchRows& WU,
                        BatchRows* WW, std::span<Status> status) {

@@ -31,7 +31,7 @@ bool has_derivatives(const SceneData& data) {
 
 namespace {
 
-// Returns the number of columns with respect to a robot's torques, if those are requested.
+// Returns the number of a robot's torque columns for request.u.
 int torques_of(const Model& model, const DerivativeRequest& request) { return request.tau ? model.nv : model.nu(); }
 
 int columns_of(const Scene& scene, const Island& island, const DerivativeRequest& request) {
@@ -51,7 +51,7 @@ void number_torques(const Scene& scene, const Island& island, IslandDerivatives&
 }
 
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
-  out.u_offset.clear();  // marks it as not laid out, should an allocation below throw
+  out.u_offset.clear();  // stays empty, i.e. not laid out, if an allocation below throws
   out.request = request;
   out.nv = island.nv;
   out.nc = island.nc;
@@ -71,11 +71,11 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 
 namespace {
 
-// Allocates the memory of an island's derivatives, in the calling thread.
+// Allocates the memory of an island's derivatives. Called outside of parallel loops.
 void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const DerivativeRequest& request,
                     IslandDerivatives& out) {
   Workspace& w = *data.workspace;
-  // External wrenches or springs reorder the columns afterwards: the panel is then laid out again, and zero.
+  // External wrenches or springs reorder the columns after the solve, so that the panel must be laid out again.
   if (forces_are_applied(w) || out.request != request || out.X.rows() != d.island.size() ||
       out.X.cols() != sparse::padded(columns_of(scene, d.island, request)) ||
       out.u_offset.size() != d.island.robots.size() + 1)
@@ -86,18 +86,18 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Differentiates an island outside SIMD batches: robot by robot where that is cheaper, else by the system that solved
-// it or by the whole K. After sparse-bodies the whole K is tried first if it is not too large for the dense reference
-// solver: sparse-bodies solves column by column, which takes 4 to 70 times as long as K's sparse factor.
+// Differentiates an island outside SIMD batches: robot by robot if that is cheaper, else by the system that solved or
+// by MatrixSystem. If sparse-bodies solved, MatrixSystem is first unless K is too large for the dense reference solver:
+// sparse-bodies solves column by column, which takes 4 to 70 times as long as K's sparse factor.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
       d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.deficient &&  // same rank as the solution's
+      d.matrix.deficient() == d.deficient &&  // equal rank as in the solve
       d.matrix.differentiate(scene, data, thread, out))
     return;
-  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // `robots` failed above, or is not cheaper
+  if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // d.robots failed above, or is not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
       }))
     out.X.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -9,7 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// Derivatives that were not requested have no bound.
+// Sets the bounds of derivatives that were not requested to kNotEstimated.
 void forget_unrequested(const DerivativeRequest& request, DerivativeBounds& b) {
   if (!request.q) b.da_dq = b.dforces_dq = kNotEstimated;
   if (!request.v) b.da_dv = b.dforces_dv = kNotEstimated;

@@ -10,27 +10,27 @@
 
 namespace manycontact::internal {
 
-/// Solves a prepared scene. prescribed: required accelerations of constraint rows, in f's order; empty: zero.
+/// Solves a prepared scene. prescribed: prescribed accelerations of constraint rows, in f's order; empty: zero.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                              SceneData& data, std::span<const double> prescribed = {});
 /// Prepares a scene that check_scene has accepted.
 void prepare_checked(const Scene& scene, SceneData& data);
-/// Sets up the islands of the scene's own contacts, which prepare leaves out if it uses a reduction.
+/// Sets up Workspace::islands for all contacts; `prepare` skips this if it uses a Reduction.
 void prepare_islands(const Scene& scene, const SceneData& data);
 /// Returns why this island's input cannot be used; kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
 /// Resets an island's report to its state before a solve; keeps the capacity of dependent_rows.
 void reset(IslandReport& report, const Island& island);
-/// Sets report.dependent_rows from `rows` of the island's J, renumbered as in data.f.
+/// Sets report.dependent_rows to the numbers in data.f of `rows` of the island's J.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
-/// The acceleration prescribed for row i of a contact.
+/// Returns the acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
   const std::vector<double>& prescribed = data.workspace->prescribed;
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where ContactData::left of a contact is stored; nullptr if the contact is no pair (reduction.hpp).
+/// Returns where ContactData::left of a contact is stored; nullptr if the contact is no pair (reduction/reduction.hpp).
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
@@ -39,13 +39,13 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
 }
 
-/// Returns the workspace of products; constructs it at the first call.
+/// Returns Workspace::products; constructs it at the first call.
 inline ProductWork& products_of(const Scene& scene, Workspace& w) {
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
   return *w.products;
 }
 
-/// Calls use(system) with the system that solved the island, then with the whole K; returns whether one succeeds.
+/// Calls use(system) with the system that solved, then with MatrixSystem, until one succeeds; returns whether it did.
 template <class Use>
 bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& thread, Use&& use) {
   if (!d.answered) return false;
@@ -53,36 +53,36 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
   return d.answered != &d.matrix && d.matrix.make_current(scene, data, thread) && use(d.matrix);
 }
 
-/// Writes error bounds from |K^-1| (mathematics.md) into the islands' reports.
+/// Computes error bounds of a and f with |K^-1| (mathematics.md) and stores them in the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Whether an island's contacts are inconsistent, also relative to accelerations by gravity or, without it, torques.
+/// Whether an island's contacts are inconsistent by more than rounding errors of accelerations by gravity or torques.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
-/// Size of derivatives [bytes] above which they bypass the cache: more than a core's share of a shared cache.
+/// Size of derivatives [bytes] above which they are written past the caches: a core's share of the last cache is less.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
 /// Whether derivatives of the current solution have been computed.
 bool has_derivatives(const SceneData& data);
-/// Sets u_offset, nu and cols, the columns of an island's derivatives with respect to torques, from out.request.
+/// Sets u_offset, nu and cols of an island's derivatives, i.e. the columns with respect to torques, from out.request.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
-/// Sets the sizes and offsets of an island's blocks of derivatives, and zeros them.
+/// Sets the sizes and offsets of an island's blocks of derivatives, and allocates the panels with zeros.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Computes terms of derivatives, and overwrites out.X, already laid out, with -dr. An AtSolution must be alive.
+/// Overwrites out.X, allocated by lay_out, with the right-hand sides -dr. An AtSolution must be alive.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// Returns |K^-1|_1, K n x n, where solve(x) overwrites x with K^-1 x. For a small K it is exact, from all columns,
-/// which costs no more than a factorization; else it is an estimate.
+/// Returns |K^-1|_1, where K is n x n and solve(x) overwrites x with K^-1 x. For a small K the result is exact, from
+/// all columns, at the cost of a factorization at most; otherwise it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
-/// Reports the largest residuals r of dynamics rows and of contact rows, relative to their terms. Contact residuals are
-/// relative to gravity at least: at rest, rounding errors would be compared with rounding errors.
+/// Reports the largest residuals r of dynamics rows [0] and contact rows [1], relative to the largest terms (`scale`).
+/// For contact rows, terms are at least gravity: at rest, terms are rounding errors too.
 inline void report_residuals(const Scene& scene, const double (&r)[2], const double (&scale)[2], IslandReport& report) {
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
   report.contact_terms = scale[1];
 }
-/// Reports the error bounds; where they exceed the solution, the status becomes kRegularised.
+/// Reports the error bounds of a and f. If a bound exceeds the solution and the loads, the status becomes kRegularised.
 inline void report_bounds(const Known& a, const Known& f, IslandReport& report) {
   report.error_acceleration = a.relative();
   report.error_forces = f.relative();
@@ -90,18 +90,18 @@ inline void report_bounds(const Known& a, const Known& f, IslandReport& report) 
     report.status = Status::kRegularised, report.reason = Reason::kUncertain;
 }
 
-/// Whether a joint's k-th velocity coordinate is that of an angle.
+/// Whether a joint's k-th velocity coordinate is an angular velocity.
 inline bool is_angular(const Joint& joint, int k) {
   if (joint.type == JointType::kFloating) return k >= 3;
   return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
 }
 
-/// The largest of an inertia's mass, first moment and moments.
+/// Returns the largest magnitude of an inertia's mass, first moment and moments.
 inline double inertia_size(const Inertia<double>& Y) {
   return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
 }
 
-/// Copies an island's vector in elimination order, x = [a; y], to the scene's: a in the order of v, y in that of f.
+/// Copy an island's x = [a; y], in elimination order, to the scene's a and y (scatter), or a and y to x (gather).
 template <class X, class A, class Y>
 void scatter(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island,
              const X* x, A& a, Y& y) {

@@ -27,7 +27,8 @@ namespace {
 
 void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
 
-// Calls product(system) per island outside SIMD batches: the solving system, else the whole K; if both fail, refused.
+// For each island outside SIMD batches: calls product(system that solved); if it fails, product(MatrixSystem); if that
+// fails too, refused.
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
@@ -43,7 +44,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   internal::check_not_prescribed(scene, data, function);
   Workspace& w = *data.workspace;
   Linearisation& linearisation = internal::linearisation_of(scene, data);
-  for (const auto& d : w.islands) {  // allocates memory, in the calling thread
+  for (const auto& d : w.islands) {  // allocates memory before the parallel loop
     if (!d->answered || d->served_in_lanes()) continue;
     if (d->answered_by(d->bodies.get())) {
       if (d->bodies->make_current(scene, data) || !internal::joint_space_fits(*d)) continue;
@@ -54,7 +55,7 @@ void begin(const Scene& scene, SceneData& data, const char* function) {
   (void)internal::products_of(scene, w);
 }
 
-// Adds the directional derivative of the applied torques to dtau, for the robots of all islands. dw: nullptr for zero.
+// Adds to dtau the derivative of the torques of wrenches and springs along dq, dv, dw. dw: nullptr means zero.
 void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv,
                          const double* dw, Eigen::VectorXd& dtau) {
   const Workspace& w = *data.workspace;
@@ -64,7 +65,7 @@ void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector&
                         w.applied->threads.front().scratch, dtau.data());
 }
 
-// Adds the adjoint products of the applied torques to wq and wv, and overwrites ww, which may be nullptr.
+// Adds to wq, wv the adjoint products of the torques of wrenches and springs. Overwrites ww, which may be nullptr.
 void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::VectorXd& wtau,
                          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, double* ww) {
   const Workspace& w = *data.workspace;
@@ -76,7 +77,7 @@ void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::Vecto
 
 Eigen::Index wrench_numbers(const Scene& scene) { return static_cast<Eigen::Index>(6 * scene.wrenches.size()); }
 
-// dw: nullptr for zero.
+// Implements both overloads of jvp. dw: nullptr means zero.
 void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const ConstVector& dv, const ConstVector& du,
          const double* dw, Eigen::Ref<Eigen::VectorXd> da, Eigen::Ref<Eigen::VectorXd> df) {
   internal::check_not_prescribed(scene, data, "jvp");
@@ -109,7 +110,7 @@ void jvp(const Scene& scene, SceneData& data, const ConstVector& dq, const Const
       });
 }
 
-// ww: nullptr if not requested.
+// Implements both overloads of vjp. ww: nullptr if not requested.
 void vjp(const Scene& scene, SceneData& data, const ConstVector& wa, const ConstVector& wf,
          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, Eigen::Ref<Eigen::VectorXd> wu, double* ww) {
   internal::check_not_prescribed(scene, data, "vjp");

@@ -15,8 +15,8 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns bounds of the loads on a robot's coordinates. Gravity g on the mass m that a joint moves loads it by at most
-// |g| sqrt(m M_ii) (Cauchy-Schwarz). applied: torques of wrenches and springs, per coordinate of the scene.
+// Returns bounds of the loads on a robot's coordinates. The load by gravity g is at most |g| sqrt(m M_ii), m the mass
+// that coordinate i moves (Cauchy-Schwarz). applied: torques of wrenches and springs, per coordinate of the scene.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;
@@ -33,7 +33,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
   return out;
 }
 
-// left: loads minus torques and forces found (nv). Above 1e-6 of the loads it is not due to rounded numbers in files.
+// left: nv, residual of the equation. Above 1e-6 of the loads, it is not due to rounded numbers in files.
 std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
                                           const Eigen::VectorXd& left) {
   constexpr double kRounded = 1e-6;
@@ -71,7 +71,7 @@ Eigen::SparseMatrix<double> selection(const Scene& scene) {
   return S;
 }
 
-// unbalanced: output, or nullptr.
+// Implements all overloads of quasi_static. unbalanced: output, or nullptr.
 Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                                    const Eigen::SparseMatrix<double>& B, SceneData& data,
                                    std::vector<Unbalanced>* unbalanced) {
@@ -80,7 +80,7 @@ Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, 
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
-  give_up_solution(data);  // the kinematics of the solution are overwritten
+  give_up_solution(data);  // the kinematics are overwritten
   internal::prepare_islands(scene, data);
   Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());

@@ -1,5 +1,5 @@
 #pragma once
-// Terms of one robot's equations M a + h = tau, in doubles, packs of SIMD batches, and wider scalars (truth/).
+// Terms of one robot's equations M a + h = tau, in doubles, packs of SIMD batches, and quadruple precision (truth/).
 
 #include <limits>
 
@@ -9,12 +9,12 @@
 
 namespace manycontact {
 
-/// Workspace of one model. The caller stores M, packed or in the slots of a larger matrix.
+/// The terms of a robot except M, which the caller stores, packed or in the slots of a larger matrix.
 template <class S>
 struct RobotQuantities {
   explicit RobotQuantities(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
 
-  Kinematics<S> kin;           // kin.a: bias accelerations, those of qdd = 0
+  Kinematics<S> kin;           // kin.a: bias accelerations, i.e. accelerations for qdd = 0
   std::vector<Inertia<S>> Yc;  // composite inertias
   std::vector<Vec6<S>> f;      // scratch of inverse_dynamics
   VecX<S> h;                   // nv: Coriolis, centrifugal, gravity
@@ -22,7 +22,7 @@ struct RobotQuantities {
 
 namespace internal {
 
-/// Computes motions, and h = ID(q, v, 0). base: as for forward_kinematics.
+/// Computes r.kin, and h = ID(q, v, 0). base: placement of the base, as for forward_kinematics.
 template <class S, class B>
 void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
                    const Vec3<double>& gravity, RobotQuantities<S>& r) {
@@ -31,7 +31,7 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
   inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
 }
 
-/// Returns the entry m = M_ii of column J and composite inertia Y, or zero if m is within its rounding error.
+/// Returns m, or zero if m is within its rounding error; m = M_ii of motion column J and composite inertia Y.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   double eps = std::numeric_limits<double>::epsilon();
@@ -41,8 +41,8 @@ S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   return select(absolute(m) <= rounding * terms, S(0), m);
 }
 
-/// Computes M. A coordinate whose inertia is within rounding error, e.g. a point mass on the joint's axis, gets zero.
-/// Pivots need not reveal this, as nothing may cancel. slot: where entries are stored; nullptr: packed (crba.hpp).
+/// Computes M. M_ii is zero if within rounding error, e.g. for a point mass on a joint's axis, which tests of pivots
+/// might miss, as nothing cancels there. slot: index in M of each entry; nullptr: packed (crba.hpp).
 template <class S>
 void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
   if (slot)

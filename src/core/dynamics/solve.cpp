@@ -50,7 +50,7 @@ void fail(const Scene& scene, SceneData& data, const Island& island, IslandRepor
                    [&](int first, int, int n) { data.f.segment(first, n).setConstant(nan); });
 }
 
-// Solves one island, by sparse-bodies if that was chosen, else or if it refuses by the whole K.
+// Solves one island: by sparse-bodies if chosen; by MatrixSystem otherwise, or if sparse-bodies fails.
 void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, IslandWork& d, IslandReport& report) {
   reset(report, d.island);
   const auto solve_by = [&](IslandSystem* system) {
@@ -58,7 +58,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
     d.answered = system;
     return true;
   };
-  // Views show the terms even if the input is refused.
+  // Terms are evaluated even if the input is refused below, so that views (views.hpp) have them.
   if (!d.bodies) evaluate_at_state(scene, data, d);
   report.reason = check_input(scene, data.workspace->q, data.v, data.tau, d.island);
   if (report.reason == Reason::kNotFinite && lacks_direction(scene, *data.workspace, d.island))
@@ -68,7 +68,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
-// Solves the islands that SIMD batches did not.
+// Solves the islands that SIMD batches did not solve.
 void solve_left(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   const auto is_left = [](const auto& d) { return !d->answered; };
@@ -132,7 +132,7 @@ void begin(const char* function, const Scene& scene, const ConstVector& q, const
   prepare_checked(scene, data);
 }
 
-// Stores the inputs of a solve, and marks everything as not yet solved.
+// Stores the inputs of a solve, and marks all islands as not solved.
 void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                  SceneData& data, std::span<const double> prescribed) {
   Workspace& w = *data.workspace;
@@ -171,7 +171,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
 
 namespace {
 
-// Measures a solve for its report: it starts when it is constructed; call `prepared` when the islands are set up.
+// Measures SolveTimes: setup from construction to the call of `prepared`, solve from then to the call of `report`.
 class SolveClock {
  public:
   void prepared() { prepared_ = Clock::now(); }

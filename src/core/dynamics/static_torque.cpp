@@ -19,12 +19,12 @@ StaticTorque::StaticTorque(const Scene& scene) : applied(scene), scratch(applied
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
   for (std::size_t c = 0; contacts && c < scene.contacts.size(); ++c)
-    if (data.f_offset[c] >= 0) (void)contact_data(scene, data, static_cast<int>(c));  // makes sure that it is evaluated
+    if (data.f_offset[c] >= 0) (void)contact_data(scene, data, static_cast<int>(c));  // evaluates its rows
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
                                [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
-  s.tau.setZero();  // tau serves as the velocity, which is zero
+  s.tau.setZero();  // used as zero velocities first
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     s.kin[r] = robot_kinematics(scene, data, r);
@@ -35,13 +35,13 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
   }
   if (!has_applied_forces(scene)) return;
   s.tau_s.setZero();
-  add_applied_forces<double>(scene, q, s.l.data(), data.wrenches, s.applied, s.tau_s.data());  // l: zero velocity
+  add_applied_forces<double>(scene, q, s.l.data(), data.wrenches, s.applied, s.tau_s.data());  // s.l: zero velocities
   s.tau -= s.tau_s;
 }
 
 namespace {
 
-// Subtracts dtau_s/dq from `out`, row by row. tau_s: torques of wrenches and springs.
+// Subtracts dtau_s/dq from `out`, row by row; tau_s are torques of wrenches and springs.
 void subtract_applied(const Scene& scene, const Island& island, StaticTorque& s,
                       Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
   if (!has_applied_forces(scene)) return;
@@ -71,7 +71,7 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
     const int r = island.robots[k], o = island.dof_offset[k];
     const Model& model = *scene.robots[r].model;
     rnea_derivatives(model, s.kin[r], w.robots[r].Yc, s.fext[r], s.terms[r]);
-    // `out` is stored by rows: its transpose by columns, with the triangles exchanged
+    // `out` is row-major; its transpose is column-major, with the triangles exchanged
     unpack_tree(model, s.terms[r].dq_upper, s.terms[r].dq_lower, out.block(o, o, model.nv, model.nv).transpose());
   }
   subtract_applied(scene, island, s, out);

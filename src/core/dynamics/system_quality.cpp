@@ -20,7 +20,7 @@ std::vector<double> given_solution(const Scene& scene, const SceneData& data, co
 
 // Returns D such that the largest entry of each row of D K D is about 1.
 std::vector<double> equilibration(const sparse::UpperCsc& A, const std::vector<double>& values) {
-  constexpr int kSweeps = 5;  // each halves the logarithms of the row maxima
+  constexpr int kSweeps = 5;  // each sweep halves the logarithms of the row maxima
   std::vector<double> D(A.n, 1.0), rows(A.n);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     std::ranges::fill(rows, 0.0);
@@ -54,7 +54,7 @@ SystemQuality quality_of(const Scene& scene, const SceneData& data, MatrixSystem
   const std::vector<double> x = given_solution(scene, data, m);
   std::vector<double> r(n), scale(n);
   sparse::residual(m.K.pattern->K, m.K.values.data(), x.data(), m.v.b.data(), r.data(), scale.data());
-  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // least squares cannot reduce this component
+  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // no x reduces this component
   const double norm = internal::norm_of(m);
   using sparse::largest;
   SystemQuality out;

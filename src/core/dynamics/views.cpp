@@ -24,7 +24,7 @@ const Workspace& solver(const SceneData& data) { return *data_solved(data).works
       "views of a scene's data: the contact is not active, or the tree is so deep that sparse-bodies needs no K");
 }
 
-// The island of that number, its terms evaluated at the state of the solution.
+// Returns an island, and evaluates its terms at the state of the solution.
 IslandWork& evaluated(const Scene& scene, const SceneData& data, std::size_t island) {
   internal::check_solved(scene, data, "views of a scene's data");
   internal::prepare_islands(scene, data);
@@ -44,7 +44,7 @@ const RobotData& robot_at_state(const Scene& scene, const SceneData& data, int r
   return w.robots[robot];
 }
 
-// Evaluates a contact's rows, unless they are known at the state of the solution.
+// Evaluates a contact's rows at the state of the solution, unless this was done.
 void evaluate_rows(const Scene& scene, const SceneData& data, int contact) {
   const Workspace& w = prepared(data);
   const auto known = [&] { return w.rows_state.at(contact) == w.state && w.contacts.has(contact); };

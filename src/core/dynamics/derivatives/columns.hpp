@@ -1,12 +1,12 @@
 #pragma once
-// Parts of the right-hand sides -dr of an island's derivatives that robots and contacts write: blocks of columns with
-// respect to q or v, one per coordinate of the island. S: double, or a SIMD pack of robots.
+// Functions that write the right-hand sides -dr of an island's derivatives with respect to q or v, robot by robot and
+// contact by contact. A block X has one column per coordinate. S: double, or a SIMD pack of robots.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 
-/// Writes -dID/dq or -dID/dv (packed like M) into a robot's diagonal block.
+/// Writes -dID/dq or -dID/dv into a robot's diagonal block. lower, upper: triangles of dID, packed like M.
 template <class S, class Block>
 void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X) {
   for (int i = 0; i < model.nv; ++i) {
@@ -18,14 +18,14 @@ void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X
   }
 }
 
-/// Subtracts W dx, one column per coordinate of the contact, from its rows X. dx: dx_dq or dx_dv.
+/// Subtracts W dx from a contact's rows X. dx: ContactDerivatives::dx_dq or dx_dv, one column per coordinate.
 template <class S, class Block>
 void contact_columns(const ContactData<S>& rows, const Mat6X<S>& dx, const std::vector<int>& columns, Block&& X) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     for (int i = 0; i < rows.W.rows(); ++i) X(i, columns[k]) -= rows.W.row(i).dot(dx.col(k));
 }
 
-/// Subtracts dW/dq x, due to the rotation of a world-aligned frame, from rows X. oA: first coordinate of A's robot.
+/// Subtracts dW/dq x from a contact's rows X: the rotation of a world-aligned frame. oA: first coordinate of A's robot.
 template <class S, class Block>
 void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, int oA, Block&& X) {
   if (!d.turns) return;
@@ -35,8 +35,8 @@ void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& 
   }
 }
 
-/// Adds to -dr1/dq of an island (nv x nv) the terms of a contact's force that a force fixed to its bodies lacks: B's
-/// part moves with A, and a world-aligned frame does not rotate. oA, oB: first coordinates of its robots.
+/// Corrects -dr1/dq of an island (nv x nv), computed for a contact force fixed to its bodies: the force on B moves with
+/// A, and a world-aligned frame does not rotate. oA, oB: first coordinates of the robots of A and B.
 template <class S, class Block>
 void force_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, const std::vector<int>& columns,
                    int oA, int oB, Block&& X) {

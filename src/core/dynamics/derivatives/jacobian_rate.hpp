@@ -1,12 +1,12 @@
 #pragma once
-// Derivative of one contact's J with respect to q. The columns s_i of J_l (detail/contact/rows.hpp) move with the
-// joints above them on their own body, and are expressed in A's axes:
+// The derivative of one contact's J with respect to q. Columns s_i of J_l (detail/contact/rows.hpp) move with joints
+// above them, i.e. nearer to the base, and are expressed in A's axes:
 //
-//   ds_i/dq_k = -s_k x s_i   k above A:  where i is above B', or above A but on a joint above k's
-//                            k above B': where i is above B', on k's joint or on one below
+//   ds_i/dq_k = -s_k x s_i   k above A:  if i is above B', or above A on a joint above k's joint
+//                            k above B': if i is above B', on k's joint or on a joint below
 //
-// and zero otherwise. The rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A,
-// joints above both bodies included; th_k is the axis of k. Products take sums of s_i along two chains, in linear time.
+// and zero otherwise. Rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A,
+// even if k is above both bodies; th_k is the axis of k. Products sum s_i along two chains, in linear time.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 
@@ -18,11 +18,11 @@ class JacobianRate {
   using V6 = Vec6<S>;
 
  public:
-  struct Chain {                      // the joints above the end A or B
-    const std::vector<int>& support;  // support from ContactSupport
-    const std::vector<int>& joint;    // joint of each velocity coordinate of its robot
+  struct Chain {                      // the joints above body A or B
+    const std::vector<int>& support;  // ContactSupport::a or b
+    const std::vector<int>& joint;    // joint of each velocity coordinate of the body's robot
   };
-  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, from first_a on; kin_a: of A.
+  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, less first_a; kin_a: A's robot.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),
@@ -45,7 +45,7 @@ class JacobianRate {
     for (int i : chain_a_) use(first_a_ + i);
   }
 
-  /// Calls use(k, d(J_l y)/dq_k) for coordinates k. A coordinate may occur twice: the caller adds the values.
+  /// Calls use(k, d(J_l y)/dq_k) for coordinates k. The caller must add the values of a k that occurs twice.
   template <class Y, class Use>
   void of_motion(const Y& y, Use&& use) const {
     const V6 of_b = sum(y, na_, n_);
@@ -60,7 +60,7 @@ class JacobianRate {
   /// Calls use(i, (d(J_l^T F)/dq dq)_i) for the contact's coordinates i, with F in A's axes.
   template <class Y, class Use>
   void of_force(const V6& F, const Y& dq, Use&& use) const {
-    V6 turning = V6::Zero();  // th x F on both parts: -(th x s)^T F = s^T (th x F)
+    V6 turning = V6::Zero();  // th x F for all s: -(th x s)^T F = s^T (th x F)
     if (rows_turn(contact_)) {
       Vec3<S> th = Vec3<S>::Zero();
       for (int i : chain_a_) th += turn(i) * dq[first_a_ + i];
@@ -83,7 +83,7 @@ class JacobianRate {
     for (int k = begin; k < end; ++k) out += rows_.Jl.col(k) * x[columns_[k]];
     return out;
   }
-  /// Calls use(k, total + sign sum of s_i x_i over the joints before k's) for k = begin, begin + step, ...
+  /// Calls use(k, total + sign * (sum of s_i x_i over the joints before k's joint)) for k = begin, begin + step, ...
   template <class Y, class Use>
   void each_joint(int begin, int end, int step, V6 total, double sign, const Y& x, Use&& use) const {
     V6 own = V6::Zero();

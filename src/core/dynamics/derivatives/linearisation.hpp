@@ -1,5 +1,5 @@
 #pragma once
-// Motions and contact rows at the solution's accelerations, for derivatives, products and quasi-static torques.
+// Motions of bodies and contact rows at the accelerations of the solution, for derivatives, products, static torques.
 
 #include "manycontact/contact/products.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
@@ -11,7 +11,7 @@ namespace manycontact {
 
 struct Workspace;
 
-/// Objects per robot or contact of a scene, allocated when an island first needs them; SIMD batches have their own.
+/// One object per robot or contact of a scene, allocated when an island first needs it. SIMD batches have their own.
 template <class T>
 class OnDemand {
  public:
@@ -28,13 +28,13 @@ class OnDemand {
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Robots of one model share slots of a pool: a thread linearises islands in succession, so slots stay in cache.
+/// Robots of one model share slots of a pool, as a thread processes islands one after the other; slots stay in cache.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
   struct Slot {
     explicit Slot(const Model& model);
-    std::vector<Vec6<double>> a;     // njoints: set by AtSolution, swapped with kin.a
+    std::vector<Vec6<double>> a;     // njoints: bias accelerations, while AtSolution has swapped them with kin.a
     RneaDerivatives rnea;            // set by right_hand_sides
     std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by right_hand_sides
   };
@@ -43,24 +43,24 @@ struct Linearisation {
   Slot& of(int robot) { return pool[place[robot]]; }
   const Slot& of(int robot) const { return pool[place[robot]]; }
 
-  OnDemand<ContactData<double>> contacts;    // contacts' terms at the solution; set by AtSolution
+  OnDemand<ContactData<double>> contacts;    // constraint rows at the solution; set by AtSolution
   OnDemand<ContactDerivatives> derivatives;  // set by right_hand_sides
-  std::vector<std::uint64_t> state;          // one entry per contact: the Workspace::state that these terms belong to
+  std::vector<std::uint64_t> state;          // one entry per contact: Workspace::state at which `contacts` was set
 
-  /// Assigns slots to the robots of an island, and memory to its contacts, the first time after islands changed. Call
-  /// it before other threads use the island, and after its joint-space terms were allocated.
+  /// Assigns slots to an island's robots and allocates its contacts, unless done since islands changed. Call it before
+  /// other threads use the island, and after its joint-space terms were allocated.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
-  /// Frees all slots; call it when islands change.
+  /// Releases all slots. Call it when islands change.
   void forget_places() { std::fill(place.begin(), place.end(), -1); }
 
  private:
-  std::vector<int> model;  // one entry per robot: number of its model
+  std::vector<int> model;  // the number of each robot's model
   std::size_t models = 0;
-  std::vector<std::vector<int>> of_model;  // one list per thread and model: its slots in the pool
-  std::vector<int> used;                   // one entry per model: slots taken by the current island
+  std::vector<std::vector<int>> of_model;  // slots in the pool, one list per thread and model
+  std::vector<int> used;                   // number of slots that the current island uses, one entry per model
 };
 
-/// During its lifetime kin.a of an island's robots, and contacts of the linearisation, are at the solution.
+/// While it exists, kin.a of an island's robots and Linearisation::contacts are at the solution's accelerations.
 class AtSolution {
  public:
   AtSolution(const Scene& scene, SceneData& data, const Island& island);
@@ -75,10 +75,10 @@ class AtSolution {
 
 namespace internal {
 
-/// Returns the linearisation; constructs it at the first call.
+/// Returns Workspace::linearisation; constructs it at the first call.
 Linearisation& linearisation_of(const Scene& scene, SceneData& data);
 
-/// Writes contact forces on an island's bodies, in tree frames, into fext(robot)[joint]; contacts are evaluated.
+/// Writes contact forces on an island's bodies, in tree frames, into fext(robot)[joint]. contacts: evaluated rows.
 template <class Contacts, class Fext>
 void contact_forces(const Scene& scene, const Island& island, const Contacts& contacts,
                     const std::vector<int>& f_offset, const Eigen::VectorXd& f, Fext&& fext) {

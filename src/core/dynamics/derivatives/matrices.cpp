@@ -11,7 +11,7 @@ enum Columns { kOfQ, kOfV, kOfU, kOfW };
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {
-  std::vector<int> v, u, f, w;  // coordinates in the scene, by the island's
+  std::vector<int> v, u, f, w;  // the scene's number of each of the island's coordinates
   const auto list = [](std::vector<int>& out) {
     return [&out](int first, int, int n) {
       for (int i = 0; i < n; ++i) out.push_back(first + i);
@@ -40,7 +40,7 @@ void each_entry(const Scene& scene, const SceneData& data, const Island& island,
   each(d.dforces_dw(), f, w, kOfW);
 }
 
-// Numbers of columns of each variable, and of rows of forces.
+// Numbers of columns with respect to q, v, u, w, and of force rows.
 struct Sizes {
   int columns[4], forces;
 };

@@ -1,28 +1,28 @@
 #pragma once
-// Products with derivatives before and after the solve: right-hand sides along a direction, and gradients from the
-// adjoint. Vectors are in the scene's coordinates; [a; y] is that of `work`.
+// Steps of jvp and vjp before and after the solve: right-hand sides along a direction, and gradients from the adjoint
+// solution. Vectors are in the scene's coordinates; [a; y] are work.a and work.y.
 
 #include "../workspace/workspace.hpp"
 
 namespace manycontact::internal {
 
-/// Variation of a fixed body. It is defined here, as kernels include BodyVariation's header without start-up code.
+/// The variation of a fixed body. It is not in BodyVariation's header, as SIMD kernels must not run start-up code.
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 
-/// Sets [a; y] = -dr along (dq, dv, dtau); take_tangent copies the solution [da; -df] from them.
+/// tangent_right_side sets [a; y] = -dr along (dq, dv, dtau). take_tangent copies the solution [da; -df] from [a; y].
 void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& p,
                         ProductWork& work);
 void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& work,
                   const TangentProduct& p);
 
-/// Sets [a; y] = [wa; -wf]; pull_back_island computes the gradients w = -(dr)^T l from l = K^-1 [wa; -wf].
+/// adjoint_right_side sets [a; y] = [wa; -wf]. pull_back_island computes gradients w = -(dr)^T l, l = K^-1 [wa; -wf].
 void adjoint_right_side(const Scene& scene, const SceneData& data, const Island& island, const AdjointProduct& p,
                         ProductWork& work);
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& work,
                       const AdjointProduct& p);
 
-/// Computes the product for an island that was evaluated. solve(work): [a; y] <- K^-1 [a; y].
+/// Computes jvp for an evaluated island. solve(work): overwrites [a; y] with K^-1 [a; y].
 template <class Solve>
 void tangent_product(const Scene& scene, SceneData& data, const Island& island, const TangentProduct& p,
                      Solve&& solve) {

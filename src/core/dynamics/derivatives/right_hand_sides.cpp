@@ -6,7 +6,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Computes the terms of RNEA's and the contacts' derivatives at the last solve.
+// Computes derivatives of the inverse dynamics (RNEA) and of the contact rows at the last solution.
 void derivative_terms(const Scene& scene, SceneData& data, const Island& island) {
   Workspace& w = *data.workspace;
   Linearisation& lin = *w.linearisation;
@@ -17,7 +17,7 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island)
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
-    // A fixed body may belong to a robot of another island: its terms are not read.
+    // A fixed end may be on a robot of another island, whose terms must not be read.
     const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
     const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,

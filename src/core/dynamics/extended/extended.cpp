@@ -30,7 +30,7 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution may be refined for this scene's equations. With damping no row may have been dropped.
+// Whether the double solution may be refined: it solves the scene's own equations, with its J and, if damped, all rows.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -51,7 +51,7 @@ void take_part(const SceneData& data, ExtendedWork& e) {
 }
 extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 
-// Calls use(contact, row of the contact, row of f) for the islands being refined.
+// Calls use(contact, row of the contact, row of f) for all contact rows of the open islands.
 template <class Use>
 void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
   for (int c : e.contacts)
@@ -66,7 +66,7 @@ double largest(const Scene& scene, const Island& island, const Eigen::VectorXd& 
   });
   return out;
 }
-// Overwrites [a; y] in the workspace of products with K^+ [a; y] for the open islands; NaN if an island's system fails.
+// Overwrites [a; y] of Workspace::products with K^+ [a; y] in the open islands; NaN if an island's system fails.
 void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) {
   Workspace& w = *data.workspace;
   ProductWork& x = *w.products;
@@ -94,7 +94,7 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    const bool damped = scene.damping > 0;  // only damping resolves inconsistent contacts of a pair
+    const bool damped = scene.damping > 0;  // damping also gives pairs null-space forces
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
       each_row(scene, data, e, [&](std::size_t c, int, int k) {
@@ -113,7 +113,7 @@ double relative(double change, double size, double vanishing) {
   return change <= vanishing ? 0 : size > 0 ? change / size : 1;
 }
 
-// Returns the largest change of a robot's accelerations or of a contact's forces, relative to their size.
+// Returns the largest relative change, by the current correction, of a robot's accelerations or a contact's forces.
 double change_of_parts(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Island& island,
                        const OfIsland& of) {
   double out = 0;
@@ -129,7 +129,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   return out;
 }
 
-// State of an island's refinement, decided from the current correction before it is added.
+// Decides from the current correction, before it is added, whether an island's refinement continues.
 enum class Progress { kGoesOn, kConverged, kFailed };
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = solved_island(data, i);
@@ -161,7 +161,7 @@ void open_all(const SceneData& data, ExtendedWork& e) {
   take_part(data, e);
 }
 
-// Corrects x until it converges.
+// Adds corrections to x until x converges or fails to, in each island that may be refined.
 void correct(const Scene& scene, SceneData& data, ExtendedWork& e) {
   extended::Equations& equations = *e.equations;
   for (open_all(data, e); any_open(e); take_part(data, e)) {
@@ -195,7 +195,7 @@ void take_any_forces(Eigen::VectorXd& f) {
   }
 }
 
-// Repeats `step` for all open islands until judge(i, of, step) closes each.
+// Repeats `step` for all open islands, until judge(island, data of the island, number of steps) has closed all.
 template <class Judge, class Step>
 void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const Step& step) {
   for (int k = 0; any_open(e); ++k) {
@@ -211,7 +211,7 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Refuses open islands unless double-double has the same rank: corrections by K^+ make J^T n vanish for random n.
+// Excludes open islands whose J has another rank in double-double. Corrections by K^+ must make J^T n vanish, n random.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());
@@ -232,8 +232,8 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
       });
 }
 
-// Computes in e.r_a the step dy of a projection: J^T S^2 J dy = g with the gradient g in double-double. It solves J^T z
-// = g for forces z, then S^2 J dy = z. A step computed from the rest itself would be accurate to double only.
+// Computes in e.r_a the step dy of a projection: J^T S^2 J dy = g, gradient g in double-double. Solves J^T z = g for
+// forces z, then S^2 J dy = z. A step computed from `rest` itself would be accurate to double only.
 void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.equations->gradient_of_rest(part_of(e), e.r_a.data());
   e.r.setZero();
@@ -243,8 +243,8 @@ void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   invert(scene, data, e);
 }
 
-// Projects the rest of open islands by steps of y until they change no digit: of double for forces; of double-double
-// for least-squares residuals, as x may be small relative to these.
+// Projects `rest` of open islands by steps dy until a step changes no digit: of double for forces; of double-double for
+// least-squares residuals, as x may be small relative to the residuals.
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
@@ -288,7 +288,7 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Refuses islands whose rows are dependent only by rounding of the state: double-double has another rank.
+// Excludes islands whose rows are dependent only by rounding of the state, as J has another rank in double-double.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -324,7 +324,7 @@ void begin(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   }
 }
 
-// Computes x of the current solution in `e`; the solution itself does not change.
+// Computes in `e` the refined x of the current solution. The solution itself does not change.
 void refine(const Scene& scene, SceneData& data, ExtendedWork& e) {
   const Workspace& w = *data.workspace;
   e.state = 0;
@@ -372,15 +372,16 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; lifts a bound above 1
+constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; a bound of 1 becomes > 1
 
-// Size of a solution, its relative error bound from |K^-1|, and the distances that refinement found.
+// Sizes and distances of an island's a or f, from which its error bound is computed. by_inverse: relative bound by
+// |K^-1|; distance: to the refined copy; last: the copy's last correction; at_rest: size that the loads may cause.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
   bool extended;  // whether the solution has the precision `extended`
-  // Bounds the error by the distance to the refined x plus the error of x. The latter is a multiple of the last
-  // correction, and a share of the bound from |K^-1|. Values that underflow have no second double: min() covers them.
+  // Bounds the error by the distance to the refined copy plus the copy's error: a multiple of the last correction, and
+  // a share of the bound by |K^-1|. min() covers values that underflow, whose second double is zero.
   double error() const {
     const double share = extended ? tolerance::kExtendedShare : tolerance::kReadShare;
     return kJustAbove * distance + 64 * last +
@@ -388,7 +389,7 @@ struct Distance {
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
-  // Whether the digits of a double solution are rounding errors, as it vanishes relative to the loads.
+  // Whether all digits of the double solution are rounding errors, but its size is small relative to the loads.
   bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
 };
 

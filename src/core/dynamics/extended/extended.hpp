@@ -1,6 +1,6 @@
 #pragma once
-// Precision `extended`, and error bounds of any solution: a double solution of any system is refined with residuals in
-// double-double until a and f converge. Terms and x = [a; f] are in double-double, and each correction is K^+ r by the
+// Precision `extended`, and error bounds of any solution. A solution in double is refined with residuals r in
+// double-double until a and f converge. Terms and x = [a; f] are in double-double; each correction is K^+ r by the
 // system that solved (IslandSystem::invert). Forces of redundant rows are projected to the least norm.
 
 #include <Eigen/Core>
@@ -20,15 +20,15 @@ struct ExtendedWork {
 
   /// Data of one island during refinement, and afterwards for its error bounds.
   struct OfIsland {
-    bool open = false;                    // whether refinement is in progress
-    bool refined = false;                 // whether it is to be refined; afterwards, whether it was refined
+    bool open = false;                    // whether the current iteration processes the island
+    bool refined = false;                 // whether the island is to be refined; afterwards, whether it was
     bool converged = false;               // whether x has converged
-    bool projects = false;                // whether rows are dependent and the rest is projected
-    double before = 0;                    // size of the last correction
-    double at_rest_a = 0, at_rest_f = 0;  // sizes relative to which a and f vanish
-    double size_a = 0, size_f = 0;        // the largest of a and f of the double solution
+    bool projects = false;                // whether rows are dependent, so that forces are projected
+    double before = 0;                    // size of the previous correction
+    double at_rest_a = 0, at_rest_f = 0;  // a and f of sizes caused by the loads, to judge vanishing a and f
+    double size_a = 0, size_f = 0;        // largest entries of a and f of the double solution
     double last_a = 0, last_f = 0;        // largest entries of the last correction
-    double rest = 0;                      // size of the projected rest
+    double rest = 0;                      // size of the null-space part (equations.hpp)
     int steps = 0;
     Status status = Status::kOk;  // status of the solution, before its bounds
     Reason reason = Reason::kNone;
@@ -36,21 +36,21 @@ struct ExtendedWork {
 
   std::unique_ptr<extended::Equations> equations;
   std::vector<OfIsland> islands;
-  std::uint64_t state = 0;            // the state that x belongs to (Workspace::state)
-  std::vector<int> robots, contacts;  // those of the open islands
+  std::uint64_t state = 0;            // the state (Workspace::state) of x
+  std::vector<int> robots, contacts;  // robots and contacts of the open islands
   Eigen::VectorXd a, f;               // x, rounded to double
   Eigen::VectorXd r, r_a;             // residuals of contact rows and of dynamics
   Eigen::VectorXd weights, rest;      // one entry per row of f
-  std::vector<double> damping;        // one entry per contact: the scene's damping, or 0 if it was lost in rounding
+  std::vector<double> damping;        // one entry per contact: the scene's damping, or 0 (Reason::kDampingLost)
 };
 
 namespace internal {
 
-/// Refines the current double solution, and replaces it by the result in islands where refinement converged.
+/// Refines the current double solution, and replaces it in islands where refinement converged.
 void refine_extended(const Scene& scene, SceneData& data);
 /// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces the report's bounds by the distance to the refined copy where that converged; the caller must summarise.
+/// Replaces islands' bounds by the distance to the refined copy if that converged; the caller must call summarise.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

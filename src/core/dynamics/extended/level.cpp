@@ -1,5 +1,5 @@
-// The equations in double-double, compiled once per level of instructions; only the Level is visible to the linker
-// (src/core/simd/levels.cmake). The templates of the forward path are instantiated in this unit.
+// Implements Equations in double-double. This file is compiled once per instruction level; only the Level is visible to
+// the linker (src/core/simd/levels.cmake). Templates of the rigid-body algorithms are instantiated here.
 
 #include <algorithm>
 #include <optional>
@@ -25,7 +25,7 @@ struct ForceSize {
   double force = 0, moment = 0;
 };
 
-// Kinematics of one robot at the state, and motions and forces of its bodies for a vector x.
+// Kinematics of one robot at the state; accelerations and forces of its bodies for a vector x.
 struct RobotWork {
   explicit RobotWork(const Model& model)
       : kin(model),
@@ -35,7 +35,7 @@ struct RobotWork {
         sizes(model.njoints()),
         h(model.nv) {}
   Kinematics<S> kin;
-  std::vector<V6> a, f, external;  // njoints: accelerations; forces, and contact forces
+  std::vector<V6> a, f, external;  // njoints: accelerations; forces; contact forces
   std::vector<ForceSize> sizes;    // njoints: magnitudes of contact forces, scratch
   VecX<S> h;
 };
@@ -96,7 +96,7 @@ class LevelEquations final : public Equations {
   VecX<S> q_, v_, tau_;                    // vectors of the scene
   VecX<S> a_, f_, b_a_, b_f_, r_a_, r_f_;  // x, b and r
   VecX<S> y_, torque_;                     // scratch
-  VecX<S> rest_, square_, weighed_;        // scratch of projections: the rest, S^2, their product
+  VecX<S> rest_, square_, weighed_;        // projections: rest, S^2, S^2 rest
   Projected projected_ = Projected::kForces;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Copies between arrays of robots or contacts and packs S = Pack<W>; constraint rows between placed frames.
+// Copies numbers between arrays, one per robot or contact, and packs S = Pack<W> with W elements, one per array.
 
 #include <limits>
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace manycontact::lanes {
 
-/// Creates a kernel for as many robots or contacts as Work's packs have elements.
+/// Creates a kernel of class Work, for as many robots or contacts as Work's packs have elements.
 template <class Kernel, class Work, class... Arguments>
 std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {
   return std::make_unique<Work>(arguments...);
 }
 
-/// Casts packs of one element to plain numbers: the sparse kernels then take several rows of a column at a time.
+/// Casts packs of one element to plain numbers, for which sparse kernels process several rows of a column at a time.
 template <class E>
 E* as_scalar(Pack<1, E>* x) {
   return x ? &x->v : nullptr;
@@ -36,10 +36,10 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
   return x;
 }
 
-/// The largest SIMD batch: floats in the widest registers.
+/// The largest number of robots in a SIMD batch: 16 floats in a 512-bit register.
 inline constexpr int kMostInBatch = 16;
 
-/// Converts the doubles of two packs to floats, those of `a` first.
+/// Returns a pack of floats with the elements of `a`, then the elements of `b`.
 template <int H, std::size_t... I>
 Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_sequence<I...>) {
   typedef float Half __attribute__((vector_size(sizeof(float) * H)));
@@ -47,7 +47,7 @@ Pack<2 * H, float> narrowed(const Pack<H>& a, const Pack<H>& b, std::index_seque
   return Pack<2 * H, float>::of(__builtin_shufflevector(x, y, I...));
 }
 
-/// Sets element l of to[k] = from[l][k], k < count, rounded if elements are floats. Surplus elements repeat the last.
+/// Sets element l of to[k] to from[l][k] for k < count, rounded if E is float. Surplus elements repeat the last array.
 template <int W, class E>
 [[gnu::noinline]] void load_arrays(std::span<const double* const> from, int count, Pack<W, E>* to) {
   const auto lane = [&](int l) { return from[std::min<std::size_t>(l, from.size() - 1)]; };
@@ -70,7 +70,7 @@ template <int W, class E>
     for (int i = k; i < count; ++i) to[i].set(l, lane(l)[i]);
 }
 
-/// Sets to[l][k] = element l of from[k] for k < count.
+/// Sets to[l][k] to element l of from[k] for k < count.
 template <int W, class E>
 [[gnu::noinline]] void store_arrays(const Pack<W, E>* from, int count, std::span<double* const> to) {
   int k = 0;
@@ -85,14 +85,14 @@ template <int W, class E>
     for (int i = k; i < count; ++i) to[l][i] = from[i][static_cast<int>(l)];
 }
 
-/// Collects the pointer at(item) of each of `items`.
+/// Stores the pointers at(item) of all items in `memory`, and returns them.
 template <class P, int N, class Item, class At>
 std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) {
   for (std::size_t l = 0; l < items.size(); ++l) memory[l] = at(items[l]);
   return {memory, items.size()};
 }
 
-/// Loads the pair terms of each item's contact. `common`: terms that all elements already contain, or nullptr.
+/// Loads PairNumbers of each item's contact. common: numbers that all elements contain already and keep, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
@@ -117,7 +117,7 @@ void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, con
     load([m](const PairRows& pair) { return pair.numbers->A[m].R.data(); }, own.A[m].R.data(), 12);
 }
 
-/// Returns, per robot of the batch, the largest entry of that row of J whose largest entry is least.
+/// Returns, per robot of the batch, the least over all rows of J of the row's largest absolute entry.
 template <class S>
 S smallest_row(const ContactData<S>& rows) {
   S smallest(std::numeric_limits<double>::infinity());
@@ -139,7 +139,7 @@ S* origin_numbers(Kinematics<S>& kin, int joint) {
   return kin.origins[kin.tree_of[joint]].p.data();
 }
 
-/// A contact's frame in the tree frame of its body, and that tree frame's origin.
+/// A contact's frame in the tree frame of its body, and the origin of the tree frame in the world.
 template <class S>
 struct PlacedEnd {
   SE3<S> frame;
@@ -152,7 +152,7 @@ PlacedEnd<S> placed_end(const Attachment& at, const Kinematics<S>& kin, const SE
   return {standing.frame, {standing.origin}};
 }
 
-/// Evaluates a contact's rows between placed ends. on_A, on_B: frames' positions on their bodies, or zero.
+/// Evaluates a contact's rows. on_A, on_B: positions of the contact's frames on bodies A and B; zero if fixed.
 template <class S>
 void rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                   const Kinematics<S>& kinA, const PlacedEnd<S>& A, const Vec3<S>& on_A, const Kinematics<S>& kinB,

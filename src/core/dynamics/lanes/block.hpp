@@ -1,6 +1,6 @@
 #pragma once
-// A robot as a block of its island's K, bordered by the rows of contacts that couple it to other robots. In the block
-// these are contacts with the world; their rows come last and are not eliminated (systems/robots/interface.hpp).
+// A robot as a block of its island's K. Its border are the rows of contacts that couple it to other robots: they come
+// last and are not eliminated (systems/robots/interface.hpp). BlockPlan contains these contacts as ones with the world.
 
 #include <algorithm>
 
@@ -9,19 +9,19 @@
 
 namespace manycontact::lanes {
 
-/// A robot's array for a coupling contact: origin, oMi, v, a of the contact's body, and the columns of J that move it.
+/// Array of a coupling contact's body on one robot: the body's origin, oMi, v, a, and the columns of J that move it.
 struct JoinedEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
-/// Its array for derivatives: JoinedEnd, then Psid, Psidd, Sv of these columns (detail/algorithm/rnea_derivatives.hpp).
+/// A JoinedEnd with further columns for derivatives: Psid, Psidd, Sv (detail/algorithm/rnea_derivatives.hpp).
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// Results overwrite a MovingEnd (EndForce): the contact's force on the body, in the tree frame; the columns of J_l;
-/// and, row-major, D of the robot's own coordinates (JoinTerms).
+/// EndForce, which overwrites a MovingEnd: the contact's force on the body, in the tree frame; the columns of J_l; D_A
+/// or D_B of the robot's own coordinates (JoinTerms), row-major.
 
-/// The end of a contact that is fixed to the world or to a base. `frame` is relative to `origin`, in world axes; the
-/// origin is the contact's own in the world, and the base's otherwise.
+/// A contact's frame that is fixed to the world or to a robot's base: `frame` is relative to `origin`, in world axes.
+/// The origin is that of the contact's frame in the world, or that of the base.
 template <class S>
 struct StandingEnd {
   SE3<S> frame;
@@ -35,12 +35,12 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
 
 /// Constant data shared by robots of one structure with contacts of one shape.
 struct BlockPlan {
-  Scene scene;  // one such robot and its contacts: first those on it alone, then those that couple it
+  Scene scene;  // one such robot and its contacts: first the contacts on it alone, then the coupling contacts
   Island island;
-  int alone = 0;                              // number of contacts on it alone
+  int alone = 0;                              // number of contacts on the robot alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
-  std::shared_ptr<const KktPattern> inner;    // pattern without the border, in the same order
-  sparse::LdlSchedule bordered;               // schedule of all columns but the border's, if there is one
+  std::shared_ptr<const KktPattern> inner;    // pattern of K_r, without the border, in the order of `pattern`
+  sparse::LdlSchedule bordered;               // schedule of all columns except the border's; empty without a border
   std::vector<ContactSupport> supports;
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
@@ -58,10 +58,10 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// Size of K and b, which all steps keep. The joins are behind them, until `factor` writes L, D, x, w there.
+  /// The number of entries of K and b. Behind them are the JoinedEnds, which `factor` overwrites with L, D, x, w.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
-  /// Offset of the memory of WaitingRows, and its size.
+  /// Offset and size of the memory of WaitingRows.
   std::size_t waiting_at() const {
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
@@ -77,9 +77,9 @@ struct BlockPlan {
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 
-/// Derivative terms of a contact that couples two robots, in consecutive arrays. Column-major: J and W (rows x cols,
-/// rows x 6), -dr2/dq and -dr2/dv (rows x cols). Row-major, padded to multiples of eight: D_A and D_B (6 x cols), the
-/// derivative of the contact's force on A and B in A's axes, relative to a force fixed to the body.
+/// Derivative terms of a contact that couples robots A and B, in consecutive arrays; r2 are its rows of J a + a0.
+/// Column-major: J (rows x cols), W (rows x 6), -dr2/dq, -dr2/dv (rows x cols). Row-major and padded to 8 columns: D_A,
+/// D_B (6 x cols), the change with q of the force on A or B, in A's axes, relative to a force fixed to the body.
 struct JoinTerms {
   double* J;
   int rows, cols;
@@ -93,15 +93,15 @@ struct JoinTerms {
   double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
-/// A robot's part of its m border rows, in consecutive arrays.
+/// A robot's contributions to its m border rows, in consecutive arrays. G: the robot's columns of these rows (G_r).
 struct Border {
   double* S = nullptr;  // upper triangle, by columns, of the Schur complement
   int m = 0;
   static std::size_t size(int m) { return static_cast<std::size_t>(m) * (m + 1) / 2 + 5 * m; }
-  double* terms() const { return S + m * (m + 1) / 2; }  // sums of the magnitudes of terms of S's diagonal
-  double* b() const { return terms() + m; }              // right-hand side
-  double* y() const { return b() + m; }                  // the solution in these rows
-  double* r() const { return y() + m; }                  // -G x: the robot's part of the residual
+  double* terms() const { return S + m * (m + 1) / 2; }  // per diagonal entry of S, sum of its terms' magnitudes
+  double* b() const { return terms() + m; }              // contribution to the right-hand side of S y
+  double* y() const { return b() + m; }                  // input: the solution, or its last step, in the border rows
+  double* r() const { return y() + m; }                  // -G x, the contribution to the residual
   double* scale() const { return r() + m; }              // |G| |x|
 };
 

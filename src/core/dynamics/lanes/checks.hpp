@@ -1,5 +1,5 @@
 #pragma once
-// Checks, per element, that the numbers of a SIMD batch are accurate enough to be used.
+// Checks, for each robot of a SIMD batch, that its numbers are accurate. Each robot has one element of the packs.
 
 #include <limits>
 #include <span>
@@ -36,19 +36,19 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors by which thresholds for pivots and rows (kLeft), and for pairs of pivots (kPassedOn), are larger in floats.
+/// Factors on the thresholds of pivots and rows (kLeft) and of two successive pivots (kPassedOn); above 1 for floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
 inline constexpr double kPassedOn = std::is_same_v<typename S::Element, float> ? tolerance::kSinglePassedOn : 1;
 
-/// Whether input is finite and quaternions have unit length.
+/// Whether q, v, tau are finite and quaternions have unit length.
 template <class S>
 typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S>& v, const VecX<S>& tau) {
-  FourSums<S> sum;  // zero times a number that is not finite is NaN
+  FourSums<S> sum;  // 0 x is NaN if x is not finite
   for (const VecX<S>* x : {&q, &v, &tau})
     in_four(static_cast<std::size_t>(x->size()), [&](std::size_t k, int c) { sum.of[c] += (*x)[k] * S(0); });
-  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // floats have errors of 1e-7
+  constexpr double k = tolerance::kQuaternion / (kLeft < S >> 1 ? 2 : 1);  // leaves room for errors of 1e-7 in floats
   typename S::Mask usable = sum.total() <= S(0);
   for (const Joint& joint : model.joints) {
     if (joint.type != JointType::kFloating) continue;
@@ -58,14 +58,14 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Accepts or rejects one elimination's pivots. passed_on_more: factor on the threshold of two successive pivots.
+/// Accepts or rejects pivots of a factorization in order. passed_on_more: factor on the threshold of successive pivots.
 template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot exceeds `margin` times its rounding error; rejected ones have no effect. diagonal: K_kk.
+  /// Whether the next pivot exceeds `margin` times its rounding error. Rejected pivots have no effect. diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
-    const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // a damped J row: 1
+    const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // 1 for damped rows of J
     rank::PassedOn<S> next = passed_on_;
     const typename S::Mask sound =
         next.accepts(pivot.of_M, left) & rank::is_left(pivot, margin * kLeft<S>) & rank::has_its_sign(pivot);
@@ -79,7 +79,7 @@ class PivotJudge {
   rank::PassedOn<S> passed_on_;
 };
 
-/// Returns the componentwise backward error (sparse/refine.hpp) of residuals r with terms of size `scale`, or NaN.
+/// Returns the componentwise backward error (sparse/refine.hpp) of residuals r, or NaN. scale: |b| + |K| |x| per row.
 template <class S>
 S componentwise_error(std::span<const S> r, const S* scale) {
   FourLargest<S> largest, error;
@@ -94,12 +94,12 @@ S componentwise_error(std::span<const S> r, const S* scale) {
   return error.total() + sum.total() * S(0);
 }
 
-/// Iterative refinement (sparse/refine.hpp) of all elements of a batch, each independently.
+/// Iterative refinement (sparse/refine.hpp) of all robots of a batch; each robot takes its own number of steps.
 template <class S>
 struct Refinement {
-  S steps = S(0), error, first;  // corrections made; the last backward error, and the one before the first step
+  S steps = S(0), error, first;  // number of steps; backward error after the last step, and before the first
 
-  /// correct(open): sets x += A^-1 r in the open elements, and returns the error of all.
+  /// correct(open): sets x += A^-1 r for robots flagged in `open`, and returns the backward errors of all robots.
   template <class Correct>
   Refinement(typename S::Mask usable, S error_of_x, Correct&& correct, int most = tolerance::kRefinementSteps)
       : error(error_of_x), first(error_of_x) {
@@ -113,7 +113,7 @@ struct Refinement {
   }
 };
 
-/// The largest residual of some rows, and the largest magnitude of their terms.
+/// The largest residual of a set of rows, and the largest magnitude of their terms.
 template <class S>
 struct Largest {
   S r, scale;
@@ -121,7 +121,7 @@ struct Largest {
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
       : Largest(
             least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
-  /// Takes the first `count` rows.
+  /// The set is the first `count` rows.
   Largest(S least_scale, std::size_t count, const S* residual, const S* size)
       : Largest(
             least_scale, count, [](std::size_t k) { return k; }, residual, size) {}
@@ -137,7 +137,7 @@ struct Largest {
   double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
 };
 
-/// Growth of K's entries (kkt/factor/pivots.hpp): the largest terms of pivots and diagonal entry(k) = K_kk.
+/// Growth of K's entries (kkt/factor/pivots.hpp): the largest terms of pivots, and the largest diagonal entry of K.
 template <class S>
 struct Growth {
   S terms, diagonal;

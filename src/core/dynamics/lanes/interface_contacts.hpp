@@ -1,5 +1,5 @@
 #pragma once
-// InterfaceContacts on packs S = Pack<W>.
+// Implements InterfaceContacts with packs S = Pack<W>, for W contacts at a time.
 
 #include <array>
 
@@ -72,12 +72,12 @@ class InterfaceContactsOf final : public InterfaceContacts {
   }
 
  private:
-  // Terms of one end's robot that the contact's rows need, and the contact's frame there.
+  // One of the two coupled robots: its terms that the contact's rows need, and the contact's frame on its body.
   struct End {
     Kinematics<S> kin;
     std::vector<std::pair<int, int>> stretches;  // ranges [begin, end) of coordinates
     SE3<S> on_body;
-    RneaDerivativesOf<S> rnea;  // only its Psid, Psidd, Sv are used
+    RneaDerivativesOf<S> rnea;  // used for Psid, Psidd, Sv only
 
     End(const Model& model, const std::vector<int>& coordinates) : kin(model), rnea(model) {
       for (int i : coordinates) {
@@ -87,7 +87,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
     }
     std::array<Mat6X<S>*, 1> joined() { return {&kin.J}; }
     std::array<Mat6X<S>*, 4> moving() { return {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv}; }
-    // Loads one end per row. columns: those of JoinedEnd, or of MovingEnd.
+    // Loads the ends of all contacts on this side. columns: destinations of the columns in JoinedEnd or MovingEnd.
     template <class Row, class Of>
     void load(std::span<Row> rows, int joint, std::span<Mat6X<S>* const> columns, Of&& end) {
       const double* from[8];
@@ -119,7 +119,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
                     B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }
 
-  // Collects JoinTerms from rows_ and terms_.
+  // Collects JoinTerms from rows_ and terms_ in out_.
   void collect(int n) {
     const int a = static_cast<int>(support_.a.size()), cols = support_.cols();
     const int ld = JoinTerms::padded(cols);
@@ -132,7 +132,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
     };
     take(n, cols) = rows_.J;
     take(n, 6) = rows_.W;
-    Block dq = take(n, cols), dv = take(n, cols), D_A = take(ld, 6), D_B = take(ld, 6);  // D transposed
+    Block dq = take(n, cols), dv = take(n, cols), D_A = take(ld, 6), D_B = take(ld, 6);  // D_A, D_B transposed
     D_A.setZero(), D_B.setZero();
     for (int k = 0; k < cols; ++k) {
       dq.col(k) = -(rows_.W * terms_.dx_dq.col(k));

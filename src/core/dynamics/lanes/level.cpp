@@ -1,6 +1,6 @@
-// Kernels of one instruction level: the forward path in packs, compiled twice with that level's flags, for SIMD batches
-// and for one robot. MANYCONTACT_LEVEL is the level's name, MANYCONTACT_LANES its width. Only the Level has external
-// linkage (src/core/simd/levels.cmake), as shared functions linked from here would fail on older processors.
+// Kernels of one instruction level. This file is compiled twice with the level's flags: for SIMD batches and for one
+// robot. MANYCONTACT_LEVEL is the level's name, MANYCONTACT_LANES its width. Only the Level has external linkage
+// (src/core/simd/levels.cmake): inline functions linked from here into other code would fail on older processors.
 
 #include "interface_contacts.hpp"
 #include "robot_block/alone.hpp"

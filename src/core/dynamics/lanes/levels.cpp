@@ -27,7 +27,7 @@ std::vector<SimdLevel> available_simd_levels() {
 namespace lanes {
 
 namespace {
-// Whether two contacts' ends on robots of one structure are identical except for placements.
+// Whether ends of two contacts, on robots of one structure, differ at most in placements.
 bool alike_ends(const Attachment& x, const Attachment& y) {
   return x.joint == y.joint && (x.robot < 0) == (y.robot < 0);
 }

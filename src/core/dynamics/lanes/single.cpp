@@ -1,5 +1,5 @@
-// Kernels of one instruction level for single-robot islands in single precision (level.cpp: double). MANYCONTACT_LANES
-// is twice the number of robots of doubles, and the element type, float.
+// Kernels of one instruction level for single-robot islands in single precision (level.cpp has those in double
+// precision). MANYCONTACT_LANES contains the number of robots, twice that of doubles, and the element type float.
 
 #include "robot_block/alone.hpp"
 #include "robot_block/linearise.hpp"

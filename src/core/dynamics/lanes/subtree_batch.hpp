@@ -1,5 +1,5 @@
 #pragma once
-// SubtreeBatch on packs S = Pack<W>, for W subtrees of one shape.
+// Implements SubtreeBatch with packs S = Pack<W>, for W subtrees of one shape at a time.
 
 #include "../robot_quantities.hpp"
 #include "arrays.hpp"
@@ -29,16 +29,16 @@ class SubtreeBatchOf final : public SubtreeBatch {
 
   std::shared_ptr<const SubtreePlan> plan_;
   const BodyPattern& p_;
-  // the subtree's terms, as in BodySystem, and b
+  // terms of the subtrees (BodySystem), and the right-hand side
   std::vector<Vec3<S>> r_;
   Mat6X<S> S_, GA_, GB_;
   std::vector<Inertia<S>> Y_, Yc_;
   std::vector<Vec6<S>> c_, h_;
   std::vector<S> armature_, tau_, g_;
-  // the solution: x = [qdd; y] in K's order, a and f of the bodies
+  // K, its factor and pivot terms; the solution x = [qdd; y] in K's order; accelerations and forces of bodies
   std::vector<S> K_, L_, D_, terms_, x_, step_;
   std::vector<Vec6<S>> a_, f_;
-  std::vector<S> b_, left_, scale_;  // b, b - K x in K's order, and the sizes of the terms of b - K x
+  std::vector<S> b_, left_, scale_;  // b, r = b - K x, |b| + |K| |x|, in K's order
   Mask usable_;
 };
 
@@ -115,7 +115,7 @@ void SubtreeBatchOf<S>::load(std::span<const Subtree> subtrees) {
   given(p_.nc, g_.data(), [](const BodyVectors& b) { return b.rows.data(); });
 }
 
-/// Writes M into K: M_kj = S_j^T F_k for coordinates j above k, with F_k = Yc S_k transformed to their nodes.
+/// Writes M into K: M_kj = S_j^T F_k for coordinates j of ancestors. F_k = Yc S_k, transformed to the ancestor's node.
 template <class S>
 void SubtreeBatchOf<S>::assemble_inertia() {
   const int* slot = plan_->M_slot.data();
@@ -137,7 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns where each row moves a coordinate by more than rounding; pivots do not show this.
+/// Writes J into K. Returns the elements where every row of J exceeds its rounding errors, which pivots do not show.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();
@@ -145,7 +145,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   for (int row = 0; row < p_.nc; ++row) {
     Mask moves = S(0) < S(0);
     const auto climb = [&](int node, Vec6<S> G) {
-      Vec6<S> sizes = G.cwiseAbs();  // magnitudes of G's terms, needed until a coordinate moves in all elements
+      Vec6<S> sizes = G.cwiseAbs();  // magnitudes of G's terms, computed until J is above rounding in all elements
       for (; node != plan_->meeting[row]; node = p_.parent[node]) {
         for (int j = p_.first_dof[node]; j < p_.first_dof[node] + p_.ndof[node]; ++j) {
           const S J = dot(S_.col(j), G);
@@ -165,7 +165,7 @@ typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   return all_move;
 }
 
-/// Computes the bodies' a from qdd, the joints' f from a and y, and the residual, which is b for x = 0.
+/// Computes from x the bodies' accelerations, the joints' forces, and the residual; for x = 0 the residual is b.
 template <class S>
 void SubtreeBatchOf<S>::act() {
   for (int i = 0; i < p_.nodes; ++i) {
@@ -194,7 +194,7 @@ void SubtreeBatchOf<S>::act() {
   }
 }
 
-/// Sets x += K^-1 r in the open elements and r = b - K x. Returns r relative to |b| + |K| |x|, or NaN.
+/// Sets x += K^-1 r in the open elements and r = b - K x. Returns the backward error |r| / (|b| + |K| |x|), or NaN.
 template <class S>
 S SubtreeBatchOf<S>::correct(Mask open) {
   step_ = left_;
@@ -209,7 +209,7 @@ void SubtreeBatchOf<S>::store(const Refinement<S>& refined, std::span<Subtree> s
   const std::size_t nv = static_cast<std::size_t>(p_.nv), nc = static_cast<std::size_t>(p_.nc);
   const Largest<S> dynamics(0, nv, left_.data(), scale_.data());
   const Largest<S> contact(0, nc, left_.data() + nv, scale_.data() + nv);
-  act();  // computes the forces of the bases
+  act();  // computes the forces on the bases
   for (std::size_t l = 0; l < subtrees.size(); ++l) {
     const int lane = static_cast<int>(l);
     Subtree& subtree = subtrees[l];

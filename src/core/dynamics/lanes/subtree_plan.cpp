@@ -5,7 +5,7 @@ namespace manycontact::lanes {
 
 namespace {
 
-// Calls use(coordinate) for the coordinates of the nodes from `node` up to, but not including, `end`.
+// Calls use(coordinate) for the coordinates of `node` and its ancestors below `end`.
 template <class Use>
 void each_coordinate_up(const BodyPattern& p, int node, int end, Use&& use) {
   for (; node != end; node = p.parent[node])

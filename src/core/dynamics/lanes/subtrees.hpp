@@ -1,6 +1,6 @@
 #pragma once
-// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. They are short, so they are solved in joint space:
-// K = [M J^T; J 0] is small, its order is fixed, and subtrees of one shape share a batch.
+// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. They are short: K = [M J^T; J 0] in joint space is
+// small. Its elimination order is fixed, and subtrees of one shape share a batch.
 
 #include <memory>
 #include <span>
@@ -17,10 +17,10 @@ struct SubtreePlan {
   std::shared_ptr<const BodyPattern> pattern;
   sparse::UpperCsc K;  // order: coordinates from the last to the first, then rows
   sparse::LdlSchedule schedule;
-  /// Slots in K. M: from the last node on, each coordinate's entries with those of its node up to itself, then with the
-  /// ancestors'. J: per row, the coordinates from body A up to the node where both ends meet, then those from body B.
+  /// Slots in K, in the order of assembly. M: for each coordinate, from the last node on, entries with its node's
+  /// coordinates up to itself, then the ancestors'. J: per row, coordinates from body A up to `meeting`, then from B.
   std::vector<int> M_slot, J_slot;
-  std::vector<int> meeting;  // node where both ends of each row meet; -1: none
+  std::vector<int> meeting;  // one per row: the first common ancestor node of both bodies; -1: none
 
   int place(int coordinate) const { return pattern->nv - 1 - coordinate; }
   int place_of_row(int row) const { return pattern->nv + row; }
@@ -33,7 +33,7 @@ class SubtreeBatch {
   struct Subtree {
     const BodySystem* system;  // not damped
     BodySolve* solution;       // input b; output x.joints, x.rows, x.force of the bases, largest residuals
-    bool sound;                // set by solve; false: another system must solve, and all other results are undefined
+    bool sound;                // set by solve; false: other results are undefined, and another system must solve
     int factor_nonzeros;
     sparse::Refinement refinement;
   };

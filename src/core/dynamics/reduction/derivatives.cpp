@@ -1,4 +1,4 @@
-// Derivatives and bounds of the full scene from those of the reduced scene.
+// Computes derivatives and error bounds of the scene from derivatives and error bounds of the reduced scene.
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@ bool alike_gains(const PairRows& pair) {
   });
 }
 
-// Whether the inconsistency of a pair's contacts is zero to first order around the state.
+// Whether the contacts of a pair are consistent at the state, and remain so to first order.
 bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
   const double* left = left_of(*r.data->workspace, c);
   return alike_gains(pair) && left[pair.unit.size() + 1] <= tolerance::kMovesAsOne;
@@ -28,7 +28,7 @@ int row_of(const Island& island, int contact) {
   return island.row_offset[at];
 }
 
-// Expands the force rows of an island's panel from the reduced scene's.
+// Computes the force rows of an island's panel from the force rows of the reduced scene's panel.
 template <class From, class To>
 void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
@@ -164,7 +164,7 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// With damping, K of all contacts has the eigenvalue -damping for null-space forces of a pair.
+// With damping, K of all contacts also has the eigenvalue -damping, for forces in the null space of a pair's J^T.
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

@@ -1,4 +1,4 @@
-// Reduces contacts to pairs, and makes the reduced scene.
+// Finds contacts to reduce to pairs, and makes the reduced scene.
 
 #include <algorithm>
 #include <tuple>
@@ -25,7 +25,7 @@ bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
   return true;
 }
 
-// Damped contacts of one robot are not reduced: derivatives of sliding contacts need all their rows.
+// Whether a contact may be in a pair: with damping only between two robots, as derivatives of sliding need all rows.
 bool may_reduce(const Scene& scene, const Contact& contact) {
   return has_constant_rows(contact) &&
          (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
@@ -70,7 +70,7 @@ std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<ch
   return out;
 }
 
-// Adds a pair for a new set of contacts; returns whether its rows are dependent, so that there is a pair.
+// Adds a new set of contacts. Returns whether the contacts' rows are dependent, so that the set has a pair.
 bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
   const std::vector<int> contacts = contacts_of(r.groups[g], set);
   Reduction::Set of;
@@ -84,8 +84,8 @@ bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, R
   return found;
 }
 
-// Adds the sets that are active now. A new set is added to all groups of as many contacts, as copies of a robot change
-// theirs one after the other. Returns whether there are new pairs.
+// Adds the sets of contacts that are active now. A new set is added to every group of equally many contacts, as copies
+// of a robot are likely to activate the same set later. Returns whether there are new pairs.
 bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
   bool found = false;
   for (std::size_t g = 0; g < r.groups.size(); ++g) {
@@ -118,7 +118,7 @@ Scene unnamed(const Scene& from) {
   return out;
 }
 
-// Makes the reduced scene; the order of its pairs does not depend on the order in which sets occurred.
+// Makes the reduced scene. The order of its pairs does not depend on the order in which sets became active.
 void make_scene(const Scene& scene, Reduction& r) {
   r.data.reset();
   r.scene = unnamed(scene);
@@ -128,7 +128,7 @@ void make_scene(const Scene& scene, Reduction& r) {
     for (auto& [set, of] : sets) {
       if (!of.pair.pair) continue;
       of.number = static_cast<int>(r.scene.contacts.size());
-      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // follows scene changes; the set does not
+      r.pairs.push_back(std::make_shared<PairRows>(*of.pair.pair));  // a copy, updated with the scene
       r.scene.contacts.push_back(of.pair);
       r.scene.contacts.back().pair = r.pairs.back();
       rows = std::max(rows, of.pair.pair->unit.size());

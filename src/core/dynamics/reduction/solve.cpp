@@ -1,4 +1,4 @@
-// Solves the reduced scene, and expands its solution to all contacts.
+// Solves the reduced scene, and computes the forces of all contacts from its solution.
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +63,7 @@ void add_damped_contradictions(const SceneData& data, double damping, const Redu
   });
 }
 
-// Returns the inconsistency of the contacts in an island's pairs.
+// Returns the inconsistency among the contacts that an island's pairs replace.
 rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduction& r, std::size_t island,
                                              std::span<const double> wanted) {
   rank::Contradiction<double> out;
@@ -88,8 +88,7 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists dependent rows: in pairs, those that do not span, and spanning ones that depend on others
-// (contact/pair_rows.hpp).
+// Lists dependent rows: in pairs, rows outside the basis, and basis rows that depend on others (contact/pair_rows.hpp).
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
@@ -108,7 +107,7 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
 }
 
-// Sets the reduced solution to the refined one, y = Q^T S^-1 f, for derivatives.
+// Sets the reduced scene's solution to the refined solution (a, f), y = Q^T S^-1 f, for derivatives.
 void take_refined(const SceneData& data, Reduction& r) {
   r.data->a = data.a;
   each_single(data, r, [&](int from, int to, int rows) { r.data->f.segment(to, rows) = data.f.segment(from, rows); });
@@ -128,7 +127,7 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
     IslandReport& solved = r.data->report.islands[i];
     std::vector<int> own = std::move(report.dependent_rows), others = std::move(solved.dependent_rows);
     own.clear();
-    report = solved;  // except for the lists
+    report = solved;  // but keeps its own dependent_rows
     report.dependent_rows = std::move(own), solved.dependent_rows = std::move(others);
     report.nc = r.islands[i].nc;
     if (solved.status == Status::kFailed) continue;

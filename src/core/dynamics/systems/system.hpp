@@ -1,16 +1,16 @@
 #pragma once
-// The systems that solve an island at successive states:
+// The systems that solve an island, i.e. coupled robots and their contacts, at successive states:
 //
 //     [M  J^T     ] [ a]   [tau - h        ]
 //     [J  -delta I] [-f] = [prescribed - a0].
 //
 //     RobotsSystem   several robots as blocks in SIMD batches, coupled by few rows (systems/robots)
-//     BodiesSystem   deep trees: the accelerations of bodies stay unknowns (systems/bodies)
-//     MatrixSystem   the whole K by any factor, down to the dense reference solver (systems/matrix)
+//     BodiesSystem   deep trees, with the accelerations of all bodies as unknowns (systems/bodies)
+//     MatrixSystem   the whole matrix K above by any factor, e.g. the dense reference solver (systems/matrix)
 //
-// Single-robot islands are solved before in SIMD batches (systems/robots/alone.cpp). The first system with a sound
-// solution also computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp); where it
-// cannot, the whole K does (`ask` in internal.hpp). Results are stamped with their state (Workspace::state).
+// SIMD batches first solve single-robot islands (systems/robots/alone.cpp). The first system with a sound solution also
+// computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp). If a system cannot,
+// MatrixSystem does (`ask` in internal.hpp). Results are stamped with their state (Workspace::state).
 
 #include <algorithm>
 
@@ -26,7 +26,7 @@ struct ThreadWork;
 
 namespace internal {
 
-/// Accuracy of an island's solution: its largest entry, the error bound, and the size of the loads, all in one unit.
+/// Accuracy of an island's a or f: its largest entry, error bound, and the size that loads may cause, all in one unit.
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -35,8 +35,8 @@ struct Known {
   bool uncertain() const { return !(error < std::max(size, acts)) && error != 0; }
 };
 
-/// Loads on an island, relative to which vanishing accelerations and forces are judged: gravity; torques and bias
-/// forces per inertia; terms of contact rows per moment arm; and forces that these cause at the longest moment arm.
+/// The largest loads on an island: gravity; torques and bias forces, also divided by inertia; terms of contact rows
+/// divided by moment arms. Errors of accelerations and forces are judged relative to acceleration() and force().
 struct Acting {
   double gravity = 0, load = 0, moved = 0, answered = 0, inertia = 0, lever = 0;
   void add_coordinate(double torque, double its_inertia) {
@@ -58,7 +58,7 @@ struct Acting {
 
 }  // namespace internal
 
-/// Inputs and outputs of jvp and vjp in the scene's coordinates. dtau, wtau: for torques on all velocity coordinates.
+/// Inputs and outputs of jvp and vjp in the scene's coordinates. dtau, wtau: nv, torques on all velocity coordinates.
 struct TangentProduct {
   const ConstVector &dq, &dv, &dtau;
   Eigen::Ref<Eigen::VectorXd> &da, &df;
@@ -68,20 +68,20 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
-/// Every function returns false if the system has no sound result; its output is then undefined.
+/// A way to solve an island. Every function returns false if it has no sound result; its output is then undefined.
 class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
   /// Factorizes at the current q and v, solves for data.tau with refinement and checks, and sets data.a, data.f and the
-  /// report. If it returns false, report.reason is the reason, if known.
+  /// report. If the result is false, report.reason contains the reason, if known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
-  /// Computes all derivatives of the current solution in the panel already laid out.
+  /// Computes the requested derivatives of the current solution in the panel X, already allocated by lay_out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
-  /// Compute products with derivatives, by a solve that is refined once.
+  /// Compute products with the derivatives (jvp) or their transposes (vjp) by a solve that is refined once.
   virtual bool jvp(const Scene &, SceneData &, ThreadWork &, const TangentProduct &) { return false; }
   virtual bool vjp(const Scene &, SceneData &, ThreadWork &, const AdjointProduct &) { return false; }
-  /// Overwrites [a; y] of Workspace::products with K^+ [a; y], refined at least once.
+  /// Overwrites [a; y] of Workspace::products with K^+ [a; y], refined at least once. K^+: generalised inverse of K.
   virtual bool invert(const Scene &, SceneData &, ThreadWork &, ProductWork &) { return false; }
   /// Sets error_acceleration and error_forces of the report (estimate_errors).
   virtual bool bound_errors(const Scene &, SceneData &, IslandReport &) { return false; }

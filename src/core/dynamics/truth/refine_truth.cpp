@@ -65,7 +65,7 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Returns whether x was found; x takes a step more than the residual needs, as K's condition makes it less accurate.
+// Returns whether refinement of x converged. It makes one step more than the residual needs, as K's condition demands.
 template <class S>
 bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());

@@ -1,5 +1,5 @@
 #pragma once
-// Terms of a scene in scalars S, and the dense solution of one island, for both reference solutions.
+// Terms of a scene in scalars S, and the dense solution of one island, for reference solutions (dynamics/truth.hpp).
 
 #include "../robot_quantities.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -19,11 +19,11 @@ template <class S>
 TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
                           std::span<const Vec6<S>> w);
 
-/// Returns S^T u - h of one robot, S the selection of actuated coordinates.
+/// Returns B u - h of one robot, B the selection of actuated coordinates.
 template <class S>
 VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u);
 
-/// Writes the island's a and f into `out`, and appends its rank and regularity.
+/// Solves one island: writes its a and f into `out`, and appends its rank and `regular` (kkt/dense.hpp).
 template <class S>
 void dense_truth(const Scene& scene, const TruthTerms<S>& t, const Island& island, const std::vector<int>& f_offset,
                  const VecX<S>& u, Truth<S>& out);

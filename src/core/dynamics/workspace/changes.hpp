@@ -5,14 +5,14 @@
 
 namespace manycontact::internal {
 
-/// Copies what may change of a contact, but not its robots.
+/// Copies the properties of a contact that may change.
 inline void take_changes(const Contact& from, Contact& to) {
   to.reference_frame = from.reference_frame;
   to.alpha = from.alpha, to.beta = from.beta;
   to.B.placement = from.B.placement;
 }
 
-/// Copies all but contacts into `to`, which contains the robots, wrenches and springs of `from` once or several times.
+/// Copies what may change except contacts. `to` contains robots, wrenches and springs of `from` once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;
@@ -40,7 +40,7 @@ inline void take_changes(const Scene& from, Scene& to) {
   });
 }
 
-/// Copies the same and the contacts.
+/// Copies the properties that may change, contacts included.
 inline void take_all_changes(const Scene& from, Scene& to) {
   take_changes(from, to);
   for (std::size_t c = 0; c < to.contacts.size(); ++c)

@@ -19,11 +19,11 @@ namespace manycontact::internal {
 int default_threads() { return omp_get_max_threads(); }
 
 #if __has_include(<pthread.h>)
-// libgomp in a forked child would wait forever for threads it lacks, so they are released before a fork.
+// Releases libgomp's threads before a fork, as the child would wait forever for threads that do not exist there.
 const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
 #endif
 
-// The thread sanitizer does not see how libgomp's threads wait for each other, so it is notified.
+// The thread sanitizer does not see libgomp's barriers, so these macros declare them.
 #ifdef __SANITIZE_THREAD__
 #define BEFORE(place) __tsan_release(place)
 #define AFTER(place) __tsan_acquire(place)

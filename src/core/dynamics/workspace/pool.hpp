@@ -1,5 +1,5 @@
 #pragma once
-// Memory of earlier contact sets, for reuse.
+// Keeps the memory of islands of earlier contact sets, for reuse.
 
 #include <cstdint>
 #include <memory>
@@ -11,20 +11,20 @@ namespace manycontact {
 class IslandShape;
 struct IslandWork;
 
-/// Unused islands by shape: up to `most` bytes, the most recently used.
+/// Unused islands by shape: the most recently used ones, up to `most` bytes.
 class IslandPool {
  public:
   std::size_t most = std::size_t(256) << 20;
 
-  /// Returns nullptr if there is none of this shape.
+  /// Removes and returns an island of this shape; nullptr if there is none.
   std::unique_ptr<IslandWork> take(const IslandShape& shape);
-  /// now: count of contact switches, as time of last use.
+  /// Adds an island. now: Workspace::layout, the time of its last use.
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
   void clear();
-  /// If there are more than `most` bytes, deletes the least recently used down to half. Returns whether it did.
+  /// Above `most` bytes, deletes the least recently used islands until half remains. Returns whether it deleted any.
   bool trim();
 
-  /// Calls use(island) for all.
+  /// Calls use(island) for all islands of the pool.
   template <class Use>
   void each(Use&& use) const {
     for (const auto& [shape, entries] : islands_)

@@ -27,7 +27,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-// Returns the options of the islands; with a reduction they serve only views, so no order is searched.
+// Returns the options for w.islands. With a reduction only views use these islands, so no order is searched.
 Options options_of_islands(const Workspace& w) {
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
@@ -47,7 +47,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-// Allocates the systems that solve islands first; SIMD batches have their own memory.
+// Allocates the first system that tries to solve each island. SIMD batches have their own memory.
 void make_first_systems(const Scene& scene, Workspace& w) {
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
@@ -61,7 +61,7 @@ void make_first_systems(const Scene& scene, Workspace& w) {
   }
 }
 
-// Flags the robots of islands on which a contact was switched, at either end.
+// Flags (s.groups.loose) the robots of all islands on which a contact was switched.
 void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switching& s, bool all) {
   s.groups.loose.assign(scene.robots.size(), all ? 1 : 0);
   if (all) return;
@@ -76,13 +76,13 @@ void mark_changed(const Scene& scene, const SceneData& data, Workspace& w, Switc
   }
 }
 
-// Sets w.islands to the unchanged islands and those of the loose robots.
+// Sets w.islands to the unchanged islands and to new islands of the robots flagged by mark_changed.
 void change_islands(const Scene& scene, const SceneData& data, Workspace& w, bool all) {
   Switching& s = w.switching;
   mark_changed(scene, data, w, s, all);
   s.next.clear();
   s.old.clear();
-  s.old.swap(w.islands);  // empty should an allocation throw
+  s.old.swap(w.islands);  // w.islands stays empty if an allocation throws
   for (std::unique_ptr<IslandWork>& island : s.old) {
     if (s.groups.loose[island->island.robots.front()])
       pool_island(w, std::move(island));
@@ -110,7 +110,7 @@ void forget_unused(Workspace& w) {
   internal::forget_unused_groups(w);
 }
 
-// Moves derivatives' memory into the islands, so that it goes with them to the pool and back.
+// Moves the memory of derivatives into the islands, so that it goes with an island to the pool and back.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);
@@ -162,7 +162,7 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
   if (known && w.islands_active == data.active) return;
   const bool all = !known || data.options.method == Method::kDenseSchur;
   w.islands_options.reset();
-  if (!w.reduction) keep_derivatives(w);  // a reduction's derivatives are not for these islands
+  if (!w.reduction) keep_derivatives(w);  // else derivatives belong to the reduced scene's islands
   if (!same_options) {                    // options changed: factors must be rebuilt
     w.islands.clear();
     w.pool.clear();

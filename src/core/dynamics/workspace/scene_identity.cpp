@@ -18,7 +18,7 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
 
 namespace {
 
-// Compares bitwise, so that NaN equals itself.
+// Whether x and y differ in any bit, so that NaN equals itself.
 template <class Matrix>
 bool differ(const Matrix& x, const Matrix& y) {
   return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;
@@ -47,7 +47,7 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t c = 0; c < contacts_.size(); ++c)
     if (const char* what = changed(contacts_[c], scene.contacts[c]))
       return "contact '" + scene.contacts[c].name + "' has another " + what;
-  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // lists do not matter without forces
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // a scene without any is accepted
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {

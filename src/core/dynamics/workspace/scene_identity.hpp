@@ -1,5 +1,5 @@
 #pragma once
-// Data recognise their scene, and changes to it, by a SceneIdentity.
+// A SceneIdentity stores the properties of a scene that must not change while data are in use (data.hpp).
 
 #include "manycontact/model/scene.hpp"
 
@@ -8,7 +8,7 @@ namespace manycontact {
 class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
-  /// Returns a description of the difference; empty if there is none.
+  /// Describes how `scene` differs from the scene stored; empty if it does not.
   std::string difference(const Scene& scene) const;
 
  private:

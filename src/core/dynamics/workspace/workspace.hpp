@@ -1,5 +1,5 @@
 #pragma once
-// The memory behind SceneData, private to module dynamics. Comments name the function that sets each part.
+// The memory of SceneData, private to the module dynamics. Comments name the function that sets each part.
 
 #include <map>
 #include <optional>
@@ -23,15 +23,15 @@
 
 namespace manycontact {
 
-/// One robot's terms at q, v, in its tree frame; set by evaluate. kin.a: bias accelerations, unless AtSolution lives.
+/// One robot's terms at q, v, in its tree frame; set by evaluate. kin.a: bias accelerations, except during AtSolution.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
-  std::uint64_t state = 0;   // the state of all members
-  std::uint64_t placed = 0;  // the state of the placements in kin, if only these were computed
+  std::uint64_t state = 0;   // Workspace::state at which all members were computed
+  std::uint64_t placed = 0;  // Workspace::state at which only the placements in kin were computed
   std::vector<double> M;     // packed inertia (detail/algorithm/crba.hpp); empty until make_joint_space
 };
 
-/// One current island. When contacts are switched it returns to its shape's pool, for the next island of that shape.
+/// The memory of one island. When contacts are switched, the pool keeps it for the next island of the same shape.
 struct IslandWork {
   IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
 
@@ -39,44 +39,44 @@ struct IslandWork {
   Choice choice;
   Island island;  // set by prepare
 
-  // systems that may solve it, in this order (unless rows are made dependent); nullptr: none
-  BatchPlace alone;                      // used for single robots, which SIMD batches solve before all systems
-  std::unique_ptr<RobotsSystem> robots;  // used for several; if not `solves`: only for differentiate
-  std::unique_ptr<BodiesSystem> bodies;  // if sparse-bodies was chosen
+  // systems that may solve the island, in this order (unless WithinTolerance changes J); nullptr: not available
+  BatchPlace alone;                      // used for single-robot islands, which SIMD batches solve first
+  std::unique_ptr<RobotsSystem> robots;  // used for several robots; if not robots->solves, only for derivatives
+  std::unique_ptr<BodiesSystem> bodies;  // used if sparse-bodies was chosen
   MatrixSystem matrix;
 
-  bool joinable = true;              // false: its robots do not fit a RobotsSystem, or that is not cheaper
-  IslandSystem* answered = nullptr;  // solved, and also differentiates; nullptr: no solution
+  bool joinable = true;              // whether a RobotsSystem may exist: the robots fit, and it is cheaper
+  IslandSystem* answered = nullptr;  // the system that solved, and also differentiates; nullptr: no solution
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
-  /// Value of `answered` for SIMD batches of single-robot islands; it has no functions for one island.
+  /// The value of `answered` if a SIMD batch of single-robot islands solved; this object has no functions.
   inline static IslandSystem batches;
-  /// Whether a SIMD batch solved it, and may compute its derivatives and products.
+  /// Whether a SIMD batch solved the island, and may compute its derivatives and products.
   bool served_in_lanes() const { return answered_by(&batches) && alone.panel_is_safe; }
-  /// Whether SIMD batches solve it first; they need no terms of the whole K.
+  /// Whether SIMD batches solve the island first, so that K need not be assembled.
   bool stands_in_lanes() const { return alone.group || (robots && robots->solves); }
   int depended = 0;        // number of redundant rows at the start of a motion (dynamics/keep_dependent.hpp)
-  int factorizations = 0;  // number of factorizations of K, whole or robot by robot, in this solve
-  bool deficient = false;  // another system than `matrix` found rows dependent at the current state
+  int factorizations = 0;  // number of factorizations of K, whole or robot by robot, in the current solve
+  bool deficient = false;  // whether a system other than `matrix` found dependent rows at the current state
 
-  IslandDerivatives derivatives;  // while in the pool; else in Workspace::derivatives
+  IslandDerivatives derivatives;  // memory of derivatives while in the pool; else it is in Workspace::derivatives
 };
 
 struct ProductWork {
   struct OfRobot {
-    std::vector<BodyVariation> body;               // njoints: tangents, or adjoints
+    std::vector<BodyVariation> body;               // njoints: tangents (jvp) or adjoints (vjp) of bodies' motions
     std::vector<Vec6<double>> u;                   // njoints: virtual velocities
     std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
     std::vector<double> w;                         // nv: change of the torques
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  Eigen::VectorXd a, y;  // vectors of the scene, all contacts active: right-hand sides and solutions x = [a; y]
-  Eigen::VectorXd tau;   // dtau or wtau of the scene, nv
+  Eigen::VectorXd a, y;  // right-hand side, then solution x = [a; y], of the scene with all contacts active
+  Eigen::VectorXd tau;   // nv: dtau or wtau
 };
 
 struct Switching {
-  RobotGroups groups;                                  // robots whose islands change
-  std::vector<std::unique_ptr<IslandWork>> old, next;  // islands before and after
+  RobotGroups groups;                                  // robots whose islands change when contacts are switched
+  std::vector<std::unique_ptr<IslandWork>> old, next;  // islands before and after contacts are switched
 };
 
 /// Scratch of one thread.
@@ -84,7 +84,7 @@ struct ThreadWork {
   int number = 0;
   FactorScratch scratch;
   PanelWork panel;
-  IslandReport spare_report;  // report of factorizations that are not reported
+  IslandReport spare_report;  // receives reports of factorizations that do not belong to the solution
   // scratch of one SIMD batch: one entry per robot, subtree or contact
   std::vector<lanes::Answer> answers;
   std::vector<lanes::Panel> panels;
@@ -98,44 +98,44 @@ struct Workspace {
 
   SceneIdentity scene;        // the scene these data belong to
   std::uint64_t state = 0;    // number of the current state; each solve or other evaluation increments it
-  std::uint64_t current = 0;  // state of the current solution, 0: none. Stamps point to it
+  std::uint64_t current = 0;  // number of the current solution's state, 0: none; Stamp::now points to this member
 
   // set by prepare, for `active` and `options`
-  bool prepared = false;  // false while the members below change
+  bool prepared = false;  // whether the members below are complete
   std::vector<char> active;
-  std::size_t springs = 0;  // number of the scene, as springs couple robots
+  std::size_t springs = 0;  // number of the scene's springs, which couple robots
   Options options;
-  std::vector<ThreadWork> threads;                   // one at least
+  std::vector<ThreadWork> threads;                   // one or more
   double worth_a_thread = costs::kWorthAThread;      // least seconds of work per thread
   std::vector<internal::Failure> failures;           // one per thread
   std::vector<std::unique_ptr<IslandWork>> islands;  // sorted by their first robots
-  std::vector<int> robot_island;                     // one entry per robot
-  std::uint64_t layout = 0;                          // number of changes of islands
+  std::vector<int> robot_island;                     // the island of each robot
+  std::uint64_t layout = 0;                          // counts how often the islands changed
   ShapeCache shapes;
   IslandPool pool;
-  std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // forces of other sizes
+  std::map<Eigen::Index, Eigen::VectorXd> spare_f;  // memory for Solution::f of other sizes
   Switching switching;
 
-  // set by prepare if contacts are reduced to pairs; the rest is then prepared on demand (prepare_islands)
+  // set by prepare if contacts are reduced to pairs; `islands` are then prepared on demand (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: no contacts may be reduced
-  Reduction* reduction = nullptr;    // `pairs` if any are reduced; its scene is then solved
-  std::vector<char> islands_active;
-  std::optional<Options> islands_options;  // none: there are no islands of `islands_active`
+  Reduction* reduction = nullptr;    // == pairs.get() if any contacts are reduced; the reduced scene is then solved
+  std::vector<char> islands_active;        // active contacts for which `islands` were prepared
+  std::optional<Options> islands_options;  // options for which `islands` were prepared; nullopt: not prepared
 
   InLanes lanes;
   std::vector<char> done;  // scratch of each_island
 
   // set by evaluate, update_kinematics
   OnDemand<RobotData> robots;
-  OnDemand<ContactSupport> supports;       // contacts that have joint-space terms; constant then
-  OnDemand<ContactData<double>> contacts;  // rows at the bias accelerations
-  std::vector<std::uint64_t> rows_state;   // one entry per contact: the state of its rows
+  OnDemand<ContactSupport> supports;       // constant; made for contacts whose J was evaluated
+  OnDemand<ContactData<double>> contacts;  // constraint rows, at the bias accelerations
+  std::vector<std::uint64_t> rows_state;   // one entry per contact: the `state` at which its rows were evaluated
 
-  // ContactData::left of pairs (contact/pair_rows.hpp), set with their rows, at left_offset; -1: the contact is no pair
+  // ContactData::left of pairs (contact/pair_rows.hpp), set with the rows; offsets in `left` per contact, -1: no pair
   std::vector<int> left_offset;
   std::vector<double> left;
 
-  std::vector<double> prescribed;  // accelerations required of the rows of f; empty: zero
+  std::vector<double> prescribed;  // prescribed accelerations of constraint rows, in f's order; empty: zero
 
   // set by solve
   std::unique_ptr<AppliedWork> applied;  // nullptr: the scene has neither wrenches nor springs
@@ -155,13 +155,13 @@ namespace internal {
 
 /// Throws std::invalid_argument, naming `function`, if data are not of this scene.
 void check_scene(const Scene& scene, const SceneData& data, const char* function);
-/// Does the same, and throws std::logic_error unless data contain a solution for the active contacts.
+/// Calls check_scene, and throws std::logic_error unless data contain a solution for the active contacts.
 void check_solved(const Scene& scene, const SceneData& data, const char* function);
-/// Does the same, and throws std::logic_error if accelerations were prescribed (dynamics/solve_prescribed.hpp).
+/// Calls check_solved, and throws std::logic_error if accelerations were prescribed (dynamics/solve_prescribed.hpp).
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);
 
-/// Resizes x without keeping its content. Eigen's own resize leaves a freed array if memory runs out.
+/// Resizes x without keeping its content. If memory runs out, x is empty; Eigen's resize would leave a freed array.
 template <class Matrix>
 void remake(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
   if (x.rows() == rows && x.cols() == cols) return;

@@ -27,7 +27,8 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the usable elements whose rows all have sound pivots, join, or are dependent.
+/// Computes L and D. Returns the usable elements where each row has a sound pivot, joins the kept rows, or depends on
+/// kept rows (waiting_rows.hpp).
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -59,7 +60,7 @@ bool RobotBlock<S>::rows_wait() const {
   return !kSingle && waiting_.any();
 }
 
-/// Overwrites x with K^-1 x from L and D, without the border and the waiting rows. Entries of x there are lost.
+/// Overwrites x with K^-1 x from L and D, without the border and the waiting rows, whose entries of x are destroyed.
 template <class S>
 void RobotBlock<S>::solve_by_factor(S* x) const {
   if (plan_->border() == 0)
@@ -69,7 +70,8 @@ void RobotBlock<S>::solve_by_factor(S* x) const {
   sparse::ldl_scheduled_backward(schedule_, as_scalar(n_.L), as_scalar(n_.D), as_scalar(x));
 }
 
-/// Overwrites x with K^-1 x. If rows are dependent: with (I - P) K_kept^-1 x, for x with P x = 0 (Factor::correct).
+/// Overwrites x with K^-1 x. If rows are dependent, x must satisfy P x = 0, and becomes (I - P) K_kept^-1 x; P projects
+/// on the null space of J^T, K_kept has the kept rows (Factor::correct).
 template <class S>
 void RobotBlock<S>::apply_inverse(S* x) {
   if (!rows_wait()) return solve_by_factor(x);
@@ -79,7 +81,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in open elements. Returns the elements where each entry of x changes by at most kSameSize of it.
+/// Sets x += K^-1 r in open elements. Returns the elements where each entry of x changes by up to kSameSize of itself.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -93,7 +95,7 @@ typename S::Mask RobotBlock<S>::correct(Mask open) {
   return same_sizes;
 }
 
-/// Computes r and scale; returns the backward error.
+/// Computes r = b - K x and scale = |b| + |K| |x|. Returns the backward error.
 template <class S>
 S RobotBlock<S>::residual() {
   residual_and_sizes();
@@ -109,7 +111,7 @@ S RobotBlock<S>::backward_error() {
   return componentwise_error<S>(r, n_.w);
 }
 
-/// Computes the residual again after `correct`, which returned the elements whose `scale` remains.
+/// Computes the residual after `correct`. same_sizes: the elements that `correct` returned, whose `scale` is reused.
 template <class S>
 S RobotBlock<S>::residual(Mask same_sizes) {
   if (same_sizes.all()) {
@@ -122,7 +124,7 @@ S RobotBlock<S>::residual(Mask same_sizes) {
   return backward_error();
 }
 
-/// Solves x = K^-1 b; each element is refined as if it were solved alone (sparse/refine.hpp).
+/// Solves x = K^-1 b with refinement (sparse/refine.hpp); each element takes as many steps as it would take alone.
 template <class S>
 void RobotBlock<S>::refine() {
   if (rows_wait()) waiting_.take_out(n_.b);
@@ -137,7 +139,7 @@ void RobotBlock<S>::refine() {
 
 template <class S>
 void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answers) const {
-  // Residuals are relative to their terms, those of contacts to gravity if it is larger.
+  // Residuals are relative to the largest terms; for contact rows, relative to gravity if it is larger.
   const std::span<const int> rows(pattern_.iperm);
   const Largest<S> dynamics(0, rows.first(pattern_.nv), r_.data(), scale_.data());
   Largest<S> contact(S(0), rows.subspan(pattern_.nv), r_.data(), scale_.data());
@@ -166,7 +168,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether rounding errors of damped rows are small relative to forces (kInDoubt) or to kLeastLoad of the loads.
+/// Whether terms of damped contact rows are up to kInDoubt delta |f|, |f| at least kLeastLoad of the loads.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();
@@ -181,7 +183,7 @@ typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
 
 // ---- redundant rows (systems/matrix/fallbacks.cpp) ---------------------------------------------------------------
 
-/// Computes the largest terms of each row's a0; the inconsistency of rows is judged relative to them.
+/// Computes the largest terms of each row's a0, relative to which the row's inconsistency is judged.
 template <class S>
 void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -193,7 +195,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   }
 }
 
-/// Adds the inconsistency of dependent rows, which refine() removed, to b and r.
+/// Adds to b and r the inconsistency of dependent rows, which refine() had subtracted from b.
 template <class S>
 void RobotBlock<S>::restore_contradiction() {
   const Mask of = waiting_.elements();
@@ -233,12 +235,12 @@ void RobotBlock<S>::report_dependence(Robots robots, std::span<Answer> answers) 
     if (answers[l].dependent.empty()) continue;
     answers[l].contradiction = of.of_lane(static_cast<int>(l));
     if (answers[l].contradiction.needs_dense()) answers[l].sound = false;
-    if (answers[l].contradiction.exceeds_rounding())  // only derivatives by the whole K have the residual's term
+    if (answers[l].contradiction.exceeds_rounding())  // only MatrixSystem has derivatives with inconsistency
       answers[l].panel_is_safe = false;
   }
 }
 
-/// Writes one robot's x = [a; -f] into the scene's a and f.
+/// Copies one robot's x = [a; -f] to the scene's a and f.
 template <class S>
 void RobotBlock<S>::scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane,
                             double* a, double* f) const {

@@ -1,6 +1,6 @@
 #pragma once
-// Derivatives of the robots of a SIMD batch (dynamics/differentiate.cpp). For coupled robots these are K_r^-1 [E, B_r],
-// B_r of own coordinates and torques, E of forces on bodies of coupling contacts (systems/robots/derivatives.cpp).
+// RobotBlock: computes derivatives K^-1 B of single-robot islands, B = -dr/d(q, v, u), or K_r^-1 [E, B_r] of coupled
+// robots: B_r by own coordinates and torques, E forces on bodies of coupling contacts (systems/robots/derivatives.hpp).
 
 #include <functional>
 #include <numeric>
@@ -25,7 +25,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
   const S* L = inner_L();
-  S refined(0), projected(1);  // flags of panels; surplus elements have no panel, and are skipped like projected ones
+  S refined(0), projected(1);  // flags; surplus elements count as projected
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
     projected.set(lane, rows_wait() && waiting_.elements()[lane]);
@@ -40,7 +40,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
   solve_panels(L, panels, projected > S(0), &waiting_, job);
 }
 
-/// Computes MovingEnd of each contact that couples the robots to others.
+/// Computes Robot::ends, one MovingEnd per coupling contact.
 template <class S>
 void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
   linearise(job, robots, nullptr);
@@ -51,7 +51,7 @@ void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
                side_by_side(robots, memory, [](const Robot& r) { return r.ends; }));
 }
 
-/// Computes contact forces on the bodies, and the terms of the right-hand sides -dr/dq, -dr/dv.
+/// Computes the contact forces on bodies, and the derivatives of the inverse dynamics and of the contact rows.
 template <class S>
 void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   add_forces(scene, robots, fext_);
@@ -73,7 +73,7 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and rows of contacts on these.
+/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and contacts on its bodies.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -87,7 +87,7 @@ void RobotBlock<S>::find_places() {
     for (const std::vector<int>* chain : {&terms.chain_a, &terms.chain_b})
       for (int i : *chain) {
         places.col(i).segment(nv + plan_->island.row_offset[k], contacts_[k].a0.size()).setOnes();
-        // a force on one of two bodies moves with the other
+        // the force on B is fixed in A, so that it changes with A's motion
         for (const std::vector<int>* other : {&terms.chain_a, &terms.chain_b})
           for (int j : *other) places(j, i) = true;
       }
@@ -97,12 +97,12 @@ void RobotBlock<S>::find_places() {
       if (places(i, j)) places_.push_back({i, j, of_tree(i, j)});
 }
 
-/// Sets the constant entries of right-hand sides, and forms the chunks of columns that are solved together.
+/// Finds the rows that each column of the right-hand sides may fill, and forms the chunks of columns to solve together.
 template <class S>
 void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   const int size = rows_, ld = job.columns;
   if (request_ == job.request && !chunks_.empty() && place_.size() == static_cast<std::size_t>(size) * ld) return;
-  chunks_.clear();  // marks them as not found, should an allocation below throw
+  chunks_.clear();  // so that chunks are formed again if an allocation throws
   std::vector<std::vector<char>> reach(ld / kPart, std::vector<char>(size, 0));
   const auto set = [&](int row, int column) { reach[column / kPart][inner_.iperm[row]] = 1; };
   for (std::size_t k = 0; k < plan_->joins(); ++k)
@@ -127,8 +127,8 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   request_ = job.request;
 }
 
-/// Forms bands of columns whose solutions fit in the L2 cache and, in each, chunks of parts with similar rows.
-/// Allocates memory for right-hand sides and solutions. reach: rows of each part, in the pattern's order.
+/// Forms bands of columns whose solutions fit in the L2 cache and, in each, chunks of parts with similar nonzero rows.
+/// Allocates right-hand sides and solutions. reach: flags of each part's nonzero rows, in the pattern's order.
 template <class S>
 auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
@@ -147,7 +147,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // sizes: right-hand sides; solutions of this band; of the largest
+  std::size_t count = 0, at = 0, most = 0;  // sizes of right-hand sides, of this band, of the largest
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
@@ -173,17 +173,17 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
     reached_.insert(reached_.end(), rows.begin(), rows.end());
   }
   B_.assign(count, S(0));
-  work_.resize(std::max(work_.size(), W * most + 8));  // alignment to a cache line takes 8 more
+  work_.resize(std::max(work_.size(), W * most + 8));  // 8 more for the alignment to a cache line
   return chunks;
 }
 
-/// Sets B = [E -dr/dq -dr/dv S]; S, which selects torques, is constant and already set.
+/// Computes the right-hand sides B = [E, -dr/dq, -dr/dv, S]. S, which selects actuated coordinates, is constant.
 template <class S>
 void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   const Indexed B{B_.data(), place_.data(), job.columns};
   for (int k : unset_) B_[k] = S(0);
   const double* from[kMostInBatch];
-  std::size_t next = 6;  // offset of an end's J_l: it follows the force
+  std::size_t next = 6;  // offset of J_l in an EndForce: 6 numbers of the force come first
   for (std::size_t k = 0; k < plan_->joins(); ++k) {
     const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
     load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
@@ -227,8 +227,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Returns the elements whose panels need no refinement: |dK|_1 / |K|_1 of sparse::ldl_rounding is at most
-/// kRefinePanel.
+/// Returns the elements whose panels need no refinement: |dK|_1 / |K|_1 of sparse::ldl_rounding is up to kRefinePanel.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
@@ -241,7 +240,7 @@ typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// Returns L of K_r, without the border's rows, which come last in each column.
+/// Returns L without the border's rows, which are the last entries of each column.
 template <class S>
 const S* RobotBlock<S>::inner_L() {
   if (plan_->border() == 0) return n_.L;
@@ -250,7 +249,7 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: their waiting rows, or nullptr.
+/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: their redundant rows, or nullptr.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {
@@ -258,7 +257,7 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
   sparse::ldl_pack(inner_schedule_, L, packed_.data());
   for (const Band& band : bands_) {
     for (std::size_t c = band.chunk; c < band.chunk_end; ++c) solve_chunk(L, c, waiting);
-    // Panels that do not fit in the caches are written past them.
+    // Non-temporal stores do not evict the caches' content.
     if (job.non_temporal)
       write(band, panels, of, [](const auto& piece, double* to) { piece.stream(to); });
     else
@@ -267,11 +266,11 @@ void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask
   if (job.non_temporal) sparse::kernel::finish_streams();
 }
 
-/// Copies the solutions of a band from work_ to the panels, whose rows are aligned to cache lines.
+/// Copies the solutions of a band from work_ to the panels. put(piece, to): stores a piece of a row, aligned.
 template <class S>
 template <class Put>
 void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask of, Put&& put) {
-  using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // row of one panel
+  using Row = sparse::kernel::Tile<double, W == 1 ? kPart : W>;  // piece of a row of one panel
   const Number* x = answer();
   double* to[W] = {};
   std::ptrdiff_t ld[W] = {};
@@ -316,7 +315,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   const std::size_t size = static_cast<std::size_t>(rows_);
   const char* reached = reached_.data() + chunk * size;
   Number* x = answer() + chunks_[chunk].answer;
-  if (std::find(reached, reached + size, 1) == reached + size) {  // only columns that pad the last chunk
+  if (std::find(reached, reached + size, 1) == reached + size) {  // a chunk of padding columns only
     std::fill_n(x, size * N, Number(0));
     return;
   }
@@ -330,7 +329,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   load_chunk<N>(chunk, x);
   apply_inverse(waiting ? nonzero_.data() : reached, x);
   if (!waiting) return;
-  // Projections lose small entries next to large ones; this correction restores them: X += K^+ (B - K X).
+  // The projection rounds small entries to the size of large ones; X += K^+ (B - K X) corrects them.
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
   load_chunk<N>(chunk, r);
@@ -344,7 +343,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   subtract_least_norm_columns<N>(chunk, x);
 }
 
-/// Loads a chunk's right-hand sides; blocks of rows that no column reaches are not set.
+/// Loads a chunk's right-hand sides into x, except blocks of rows where L^-1 B is zero in all columns.
 template <class S>
 template <int N>
 void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
@@ -389,7 +388,7 @@ void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
   }
 }
 
-/// Computes D = d(J y)/dq with J y = f (products.hpp).
+/// Computes D = d(J y)/dq into rate_, at constant y with J y = f (products.hpp).
 template <class S>
 void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) {
   if (!job.request.q) return;
@@ -402,7 +401,7 @@ void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) 
     });
 }
 
-/// Sets df += P D for a chunk's columns of X = [da; -df].
+/// Sets df += P D for a chunk's columns of X = [da; -df]; P projects on the null space of J^T.
 template <class S>
 template <int N>
 void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {

@@ -1,11 +1,11 @@
 #pragma once
-// RobotBlock: steps for coupled robots; systems/robots solves their border.
+// RobotBlock: steps of a solve of coupled robots. systems/robots solves the border, the rows of coupling contacts.
 
 #include "robot_block.hpp"
 
 namespace manycontact::lanes {
 
-/// Prefetches the memory that the next batch will write: K, b and the joins.
+/// Prefetches the memory that the next batch will write: K, b and JoinedEnds.
 template <class S>
 void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
   constexpr std::size_t kLine = 64 / sizeof(S);
@@ -25,7 +25,7 @@ void RobotBlock<S>::evaluate(const Job& job, Robots robots, Memory memory) {
   }
 }
 
-/// Fills joins_ for each coupling contact: the motion of its end's body, and the columns of coordinates that move it.
+/// Fills joins_ for each coupling contact: the motion of the contact's body, and the columns that move this body.
 template <class S>
 void RobotBlock<S>::collect_ends(std::initializer_list<const Mat6X<S>*> columns) {
   S* to = joins_.data();
@@ -103,7 +103,7 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
   begin(robots);
 }
 
-/// Sets x = 0, r = b.
+/// Sets x = 0 and r = b, without the inconsistency of redundant rows.
 template <class S>
 void RobotBlock<S>::begin(Robots robots) {
   std::fill_n(n_.x, pattern_.size(), S(0));
@@ -112,7 +112,7 @@ void RobotBlock<S>::begin(Robots robots) {
   forward(robots, all());
 }
 
-/// Computes w = L^-1 r and its contribution to the border; both are zero for robots that have converged (not open).
+/// Computes w = L^-1 r and its contribution to the border; both are zero for robots that are not `open`.
 template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
@@ -152,7 +152,7 @@ void RobotBlock<S>::check(Robots robots, Memory memory) {
   (void)check_residual(robots, prefetch_of(memory));
 }
 
-/// Computes r = b - K x, scale = |b| + |K| |x|, and their largest entries. Returns the robots' backward error.
+/// Computes r = b - K x, scale = |b| + |K| |x|, and the largest entries of r and scale. Returns the backward errors.
 template <class S>
 S RobotBlock<S>::check_residual(Robots robots, Prefetch prefetch) {
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),

@@ -1,6 +1,7 @@
 #pragma once
-// Waiting rows of single-robot islands that are independent of the kept rows. They join K1, the K of the kept rows, by
-// their Schur complement (rank/waiting_rows.hpp). Column k of B contains the k-th such row of each element in
+// Rows of J without a sound pivot that are independent of the kept rows, in single-robot islands. K1 is K of the kept
+// rows. These rows are eliminated last, by the Schur complement T (rank/waiting_rows.hpp). They are the columns of B;
+// column k contains the k-th such row of each element (robot). The solution (x, y) for right-hand sides (b1, b2) is
 //
 //     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
 
@@ -13,7 +14,7 @@
 
 namespace manycontact::lanes {
 
-/// Factorizes G = L D L^T in place (n x n, row-major); the diagonal becomes inverse_of(k, D_k).
+/// Factorizes G = L D L^T in place (n x n, row-major). The diagonal of G becomes inverse_of(k, D_k), i.e. 1 / D_k.
 template <class S, class InverseOf>
 void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
   for (std::ptrdiff_t a = 0; a < n; ++a) {
@@ -28,7 +29,7 @@ void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
     row[a] = inverse_of(static_cast<int>(a), row[a]);
   }
 }
-/// Sets t = G^-1 t for C columns.
+/// Sets t = G^-1 t for C columns, row-major, after factor_dense.
 template <int C, class V>
 void solve_dense(const V* G, int n, V* t) {
   using Row = sparse::kernel::Tile<V, C>;
@@ -58,15 +59,15 @@ class JoiningRows {
   void reserve(int columns) { t_.resize(std::max(t_.size(), static_cast<std::size_t>(most_ * columns))); }
 
   void clear() { most_in_any_ = 0, std::fill_n(count_, W, 0); }
-  /// Adds row k to an element's list.
+  /// Adds row k to the list of an element.
   void add(int lane, int k) {
     listed_[lane * most_ + count_[lane]++] = k;
     most_in_any_ = std::max(most_in_any_, count_[lane]);
   }
   bool any() const { return most_in_any_ > 0; }
 
-  /// Factorizes T. entries(lane, k, use): calls use(row of K1, entry of row k there). terms(lane, k): terms of row
-  /// k's pivot. Calls left(lane, k) for a row that depends on K1 and earlier rows. solve(b, x): x = K1^-1 b.
+  /// Factorizes T. entries(lane, k, use): calls use(row of K1, entry of listed row k). terms(lane, k): terms of row k's
+  /// pivot. solve(b, x): x = K1^-1 b. Calls left(lane, k) for a row that depends on K1 and earlier listed rows.
   template <class Entries, class Terms, class Solve, class Left>
   void factorize(Entries&& entries, Terms&& terms, Solve&& solve, Left&& left) {
     std::fill_n(B_.begin(), std::ptrdiff_t{most_in_any_} * rows_, S(0));
@@ -93,7 +94,7 @@ class JoiningRows {
     });
   }
 
-  /// The steps for joined rows before and after x <- K1^-1 x, for C columns, row-major.
+  /// The steps for the listed rows, before and after the caller's x <- K1^-1 x, for C columns, row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;
@@ -128,7 +129,7 @@ class JoiningRows {
  private:
   S* B(int a) { return B_.data() + std::ptrdiff_t{a} * rows_; }
   S* Z(int a) { return Z_.data() + std::ptrdiff_t{a} * rows_; }
-  /// Calls use(element, row) for the rows stored in column a, or use(element, column, row) for all rows.
+  /// Call use(element, row) for the rows in column a of B, or use(element, column, row) for the rows in all columns.
   template <class Use>
   void each_of(int a, Use&& use) const {
     for (int l = 0; l < W; ++l)

@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: linearises at the solution, for derivatives and products.
+// RobotBlock: evaluates all terms at the solution, for derivatives and products.
 
 #include "robot_block.hpp"
 
@@ -18,7 +18,7 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
 }
 
-/// Evaluates motions and rows at the solution, K and its factor. memory: coupled robots'; nullptr: only their motions.
+/// Evaluates kinematics and rows at the solution, K and its factor; of coupled robots with memory nullptr: kinematics.
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
@@ -49,7 +49,7 @@ void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {
   (void)factorize(all());
 }
 
-/// Adds the force F on A, in A's axes, and -F on B' to the bodies' forces.
+/// Adds a contact's force F on body A, in A's axes, and -F on body B, to fext, one force per body.
 template <class S>
 void add_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, std::vector<Vec6<S>>& fext) {
   each_body_force(contact, rows, F, [&](const Attachment& at, const Vec6<S>& force) { fext[at.joint] += force; });

@@ -1,12 +1,12 @@
 #pragma once
-// Products with the derivatives of single-robot islands: derivatives/products.cpp for a whole SIMD batch.
+// RobotBlock: jvp and vjp of single-robot islands in a SIMD batch, as derivatives/products.cpp for one island.
 
 #include "manycontact/detail/spatial/products.hpp"
 #include "robot_block.hpp"
 
 namespace manycontact::lanes {
 
-/// Solves x = K^-1 b with one step of refinement.
+/// Solves x = K^-1 b with up to one step of refinement.
 template <class S>
 void RobotBlock<S>::solve_once_refined() {
   if (rows_wait()) waiting_.project_out(n_.b);
@@ -38,7 +38,7 @@ internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robot
           robot_.kin};
 }
 
-/// Computes y with J y = f.
+/// Computes y_ with J y = f, f the contact forces.
 template <class S>
 void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
@@ -62,7 +62,7 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
   for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
-/// Stores P b of b = [wa; -wf] in null_component of the waiting rows, before the solve.
+/// Stores P b in waiting_.null_component, for b = [wa; -wf], before the solve.
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);

@@ -1,7 +1,7 @@
 #pragma once
-// A SIMD batch of W robots of one plan (block.hpp) on packs S = Pack<W>: the steps of a solve for all robots at once.
+// A SIMD batch of W robots of one BlockPlan (block.hpp). Numbers are packs S = Pack<W>: element l belongs to robot l.
 // Further headers contain inputs (terms.hpp), solves of single-robot islands (alone.hpp) and of coupled robots
-// (joined.hpp), linearisation (linearise.hpp), derivatives and products.
+// (joined.hpp), linearisation (linearise.hpp), derivatives and products. The border are rows of coupling contacts.
 
 #include <algorithm>
 #include <initializer_list>
@@ -24,7 +24,7 @@
 
 namespace manycontact::lanes {
 
-/// Empty replacement of members that kernels in single precision lack.
+/// An empty type for members that kernels in single precision do not need.
 struct Without {
   explicit Without(const Model&) {}
 };
@@ -35,7 +35,7 @@ class RobotBlock final
     : public std::conditional_t<std::is_same_v<typename S::Element, float>, SingleBlocks, RobotBlocks> {
  public:
   static constexpr int W = S::width;
-  /// Whether elements are floats. They solve only single-robot islands without redundant rows (single.hpp).
+  /// Whether elements are floats. Such kernels solve only single-robot islands without redundant rows (single.hpp).
   static constexpr bool kSingle = std::is_same_v<typename S::Element, float>;
   using Mask = typename S::Mask;
   using Robot = RobotBlocks::Robot;
@@ -57,13 +57,13 @@ class RobotBlock final
   void move_ends(const DerivativeJob& job, Robots robots);
 
  private:
-  /// The value type of sparse kernels.
+  /// The number type of sparse kernels: S, or plain numbers if S has one element.
   using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// Arrays in a batch's memory: K, L, D as in KktMatrix and LdlSymbolic; right-hand side b, solution x; w = L^-1 r.
+  /// Arrays in a batch's memory: K (KktMatrix), its factors L, D, right-hand side b, solution x, scratch w = L^-1 r.
   struct Numbers {
     S *K, *b, *L, *D, *x, *w;
   };
-  /// Prefetches the next batch's memory, which has left the cache since all other batches were processed in between.
+  /// Prefetches the next batch's memory, which other batches have displaced from the cache.
   using Prefetch = std::conditional_t<W == 1, sparse::kernel::NoPrefetch, sparse::kernel::PrefetchNext>;
   static Prefetch prefetch_of(const Memory& memory) {
     if constexpr (W == 1)
@@ -83,7 +83,7 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Numbers of panel columns: solved at a time; kept in registers, for four rows; in a part, adjacent in the panel.
+  /// Numbers of panel columns: solved at a time (a chunk); in registers, for four rows; adjacent in the panel (a part).
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -96,23 +96,23 @@ class RobotBlock final
   static_assert(kSingle || (8 % kPart == 0 && 8 % W == 0));
   struct Chunk {
     int first[kParts], parts;
-    std::size_t at;      // offset in B_ of its right-hand sides: rows that may be nonzero, row-major
-    std::size_t answer;  // offset in work_ of its solutions: all rows, row-major
+    std::size_t at;      // offset in B_ of the chunk's right-hand sides: rows that may be nonzero, row-major
+    std::size_t answer;  // offset in work_ of the chunk's solutions: all rows, row-major
     int columns() const { return W == 1 ? parts * kPart : kColumns; }
   };
-  struct Band {  // columns solved before they are copied to panels: ranges of parts and of chunks
+  struct Band {  // columns that are solved, then copied to panels together: ranges of parts and of chunks
     int first, end;
     std::size_t chunk, chunk_end;
   };
-  struct Piece {  // a part in work_: its row k, in the pattern's order, begins at `at` + k stride
+  struct Piece {  // the solutions of a part in work_: row k, in the pattern's order, begins at `at` + k stride
     std::size_t at;
     int stride;
   };
   struct Slot {  // an entry of -dr/dq or -dr/dv that may be nonzero
     int i, j;
-    bool of_tree;  // written by robot_columns
+    bool of_tree;  // whether robot_columns writes the entry
   };
-  /// Gives access to entries of right-hand sides in B_ by row and column of the panel.
+  /// Access to the right-hand sides in B_ by row and column of the panel.
   struct Indexed {
     S* B;
     const int* place;
@@ -162,7 +162,7 @@ class RobotBlock final
   void report_dependence(Robots robots, std::span<Answer> answers);
   void scatter(const Scene& scene, const std::vector<int>& f_offset, const Robot& robot, int lane, double* a,
                double* f) const;
-  // robots with a border
+  // coupled robots
   void prefetch_cached(Prefetch prefetch) const;
   void collect_ends(std::initializer_list<const Mat6X<S>*> columns);
   void store_ends(Robots robots);
@@ -210,7 +210,7 @@ class RobotBlock final
   void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
 
-  /// Returns the solutions in work_, aligned to a cache line.
+  /// Returns the first address in work_ that is aligned to a cache line; solutions begin there.
   Number* answer() {
     return reinterpret_cast<Number*>(work_.data() +
                                      (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
@@ -222,17 +222,17 @@ class RobotBlock final
     return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  /// Returns the robot of an element; surplus elements repeat the last robot.
+  /// Returns the robot of an element (lane); surplus elements repeat the last robot.
   static const Robot& in_lane(Robots robots, int lane) {
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }
-  /// Loads `count` numbers of each robot, from at(robot of the scene, robot), into the elements of `to`.
+  /// Loads `count` numbers of each robot, from the address at(robot of the scene, robot), into the elements of `to`.
   template <class At>
   static void load_each(const Scene& scene, Robots robots, int count, S* to, At&& at) {
     const double* from[kMostInBatch];
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return at(scene.robots[r.number], r); }), count, to);
   }
-  /// Stores `count` border values into each robot's array to(border).
+  /// Stores each robot's elements of from[0 ... count-1] in the array to(Robot::border).
   template <class To>
   static void store_border(const S* from, int count, Robots robots, To&& to) {
     double* memory[kMostInBatch];
@@ -248,34 +248,34 @@ class RobotBlock final
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
   // single precision (single.hpp)
-  struct BodySizes {  // magnitudes of linear and angular acceleration due to qdd, of force and moment
+  struct BodySizes {  // magnitudes of a body's linear and angular acceleration due to qdd, of force and moment
     S moved, turned, force, moment;
   };
   std::vector<double> near_q_, per_turn_;  // each robot's q without whole revolutions; 1/(2 pi) for angles, else 0
-  std::array<Vec3<double>, W> origin_;     // each robot's base, to which positions are relative
+  std::array<Vec3<double>, W> origin_;     // each robot's base position, to which world positions are relative
   std::vector<BodySizes> body_sizes_;
   std::vector<float> signs_;                             // one entry per row of K: pseudo-random 1 or -1
-  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact not in the border: A, B, if fixed
-  std::vector<std::array<SE3<S>, 2>> on_body_;           // one entry per such contact: A, B on moving bodies
+  std::vector<std::array<StandingEnd<S>, 2>> standing_;  // one entry per contact on single robots: its fixed ends A, B
+  std::vector<std::array<SE3<S>, 2>> on_body_;           // one entry per contact on single robots: ends A, B that move
   Mask usable_;                                          // robots that have passed all checks so far
-  ModelNumbers<S> own_model_;                            // used if the robots have other models than the plan
+  ModelNumbers<S> own_model_;                            // used if a robot has another model than the plan's
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
-  std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: terms that all elements share
-  S smallest_row_, motion_;
-  bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; otherwise another system solves
+  std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements share, or nullptr
+  S smallest_row_, motion_;  // size of the smallest row of J; motion scale of the contacts
+  bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; if not, another system must solve
 
   Numbers n_;
   std::vector<S> own_;  // memory of single-robot islands
   std::vector<S> pivot_terms_, r_, scale_;
   WaitingRows<S> waiting_;
   S steps_, backward_error_, first_error_;
-  std::uint64_t serial_ = 0;  // the number of the solution that kinematics, M, K, L, D belong to; its robots: kept_
-  std::array<int, W> kept_;
+  std::uint64_t serial_ = 0;  // Solution::serial of the current kinematics, M, K, L, D; 0: none
+  std::array<int, W> kept_;   // numbers of the robots of this solution
   std::size_t kept_count_ = 0;
 
   std::vector<S> joins_, border_;
-  std::vector<int> triangle_;  // slots in L of the border's columns, below the diagonal; -1: zero
+  std::vector<int> triangle_;  // slots in L of the border's triangle, by columns without diagonal; -1: zero
 
   // derivatives
   VecX<S> a_;
@@ -283,30 +283,30 @@ class RobotBlock final
   std::vector<Vec6<S>> fext_;
   std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
-  std::vector<std::vector<int>> columns_;  // coordinates of each contact
+  std::vector<std::vector<int>> columns_;  // coordinates of J's columns, one list per contact
   std::vector<Slot> places_;               // entries of -dr/dq, -dr/dv that may be nonzero
-  DerivativeRequest request_;              // the request that reach_ belongs to
+  DerivativeRequest request_;              // the request for which reach_ was computed
   std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
-  // Whether right-hand sides, and L^-1 times them, may be nonzero: one flag per row of K, in its order, and chunk.
+  // Whether right-hand sides B, and L^-1 B, may be nonzero: per chunk, one flag per row of K, in K's order.
   std::vector<char> reach_, reached_;
   std::vector<char> nonzero_;  // one flag per row of K
   std::vector<S> B_;           // right-hand sides, chunk by chunk: rows that may be nonzero, in the pattern's order
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero
-  std::vector<int> unset_;     // entries of B_ that are set to zero before contact terms are added
+  std::vector<int> unset_;     // entries of B_ to set to zero before contact terms are added
   std::vector<S> inner_L_;     // L without the border's rows
   std::vector<S> packed_;      // sparse::ldl_pack
   std::vector<S> inverse_;
   std::vector<double> Lx_, Dx_, Kx_;  // one robot's L, D, K
   std::vector<Piece> pieces_;
   std::vector<double> work_;              // solutions of a band, chunk by chunk; scratch of solve_refined
-  double rounding_;                       // sparse::ldl_rounding
+  double rounding_;                       // result of sparse::ldl_rounding
   std::vector<BodyVariationOf<S>> body_;  // tangents (jvp) or adjoints (vjp) of the bodies' motions
   std::vector<Vec6<S>> u_, dfext_, df_;
   std::vector<S> dq_, dv_, torque_;
-  // With redundant rows: y with J y = f; dq of jvp or the term of wq in vjp; d(J y)/dq; correction of a chunk.
+  // For redundant rows: y with J y = f; dq of jvp, or a term of wq in vjp; d(J y)/dq; correction of a chunk's solution.
   std::vector<S> y_, along_, rate_, correction_;
-  std::vector<S> slope_;  // nv, if joints have friction: -d tau_f / dv
+  std::vector<S> slope_;  // nv, empty without joint friction: -d(friction torque)/dv
 };
 
 template <class S>

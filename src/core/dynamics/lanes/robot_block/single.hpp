@@ -1,7 +1,7 @@
 #pragma once
-// RobotBlock of floats: single-robot islands, solved without refinement. One more solve estimates the effect of
-// rounding errors: its right-hand side is the residual b - K x plus eps times each row's terms, with pseudo-random
-// signs. Terms are in the tree frame, where links far from the base lose digits that no residual shows.
+// RobotBlock of floats: solves single-robot islands without refinement. A second solve estimates the effect of rounding
+// errors. Its right-hand side is the residual b - K x plus eps times each row's terms, with pseudo-random signs. Terms
+// are magnitudes in the tree frame, as residuals do not show digits lost by links far from the base.
 
 #include <cstdint>
 #include <numbers>
@@ -10,7 +10,7 @@
 
 namespace manycontact::lanes {
 
-/// Removes whole revolutions of an angle [rad]. per_turn: 1/(2 pi), or 0. Source: two steps of e_rem_pio2.c (fdlibm).
+/// Removes whole revolutions from q [rad]. per_turn: 1/(2 pi), or 0 for lengths. Source: e_rem_pio2.c (fdlibm).
 inline double without_turns(double q, double per_turn) {
   constexpr double shift = 6755399441055744.0;  // 1.5 * 2^52
   const double turns = (q * per_turn + shift) - shift;
@@ -18,7 +18,7 @@ inline double without_turns(double q, double per_turn) {
   return std::abs(q) <= kLargestAngle ? rest : q;
 }
 
-/// Allocates memory.
+/// Allocates the members used in single precision.
 template <class S>
 void RobotBlock<S>::make_single() {
   near_q_.resize(static_cast<std::size_t>(W * model_->nq));
@@ -34,7 +34,7 @@ void RobotBlock<S>::make_single() {
   }
 }
 
-/// Loads q so that floats lose no digits: no whole revolutions, world positions relative to the robot's base.
+/// Loads q such that floats keep most digits: without whole revolutions, world positions relative to the robot's base.
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_near(const Job& job, Robots robots) {
@@ -57,7 +57,7 @@ S size_of(const X& x) {
   return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
 }
 
-/// Sets the magnitudes of the terms of M a + h - J^T f, for coordinates in K's order.
+/// Computes magnitudes of the terms of M a + h - J^T f. sizes: one per row of K, set in rows of coordinates.
 template <class S>
 void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   const Kinematics<S>& kin = robot_.kin;
@@ -104,7 +104,7 @@ void RobotBlock<S>::size_torques(const Scene& scene, Robots robots, S* sizes) {
   }
 }
 
-/// Sets the magnitudes of the terms of J a + a0, for rows of J in K's order. a: the largest acceleration.
+/// Computes magnitudes of the terms of J a + a0. sizes: one per row of K, set in rows of J. a: largest acceleration.
 template <class S>
 void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S* sizes) const {
   const Kinematics<S>& kin = robot_.kin;
@@ -115,7 +115,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
     double gain = std::abs(c.alpha);
     for (std::size_t m = 0; c.pair && m < c.pair->members.size(); ++m)
       gain = std::max(gain, std::abs(c.pair->members[m].alpha));
-    S far = size_of<S>(place);  // distance from the base: a float rounds it by eps times its size
+    S far = size_of<S>(place);  // distance from the base, rounded by eps far
     for (const Attachment* at : {&c.A, &c.B})
       if (moves(*at)) far += size_of<S>(kin.origin(at->joint));
     const S lever = contacts_[k].joint_lever + size_of<S>(contacts_[k].aMA.p);
@@ -123,7 +123,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
   }
 }
 
-/// Returns the largest absolute entry of x in rows first ... end-1, in the island's order.
+/// Returns the largest |x| of rows first ... end-1 in the island's order; x is in K's order.
 template <class S>
 S RobotBlock<S>::largest(const S* x, int first, int end) const {
   FourLargest<S> of;
@@ -131,7 +131,7 @@ S RobotBlock<S>::largest(const S* x, int first, int end) const {
   return of.total();
 }
 
-/// Whether no contact has an orientation error of half a revolution, whose direction is undetermined.
+/// Whether all contacts' orientation errors are below half a revolution, where the direction of the error is undefined.
 template <class S>
 typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) const {
   Mask out = all();
@@ -144,8 +144,8 @@ typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) c
   return out;
 }
 
-/// Solves x = K^-1 b. Usable if rounding errors change no acceleration by more than tolerance::kWorthless of the
-/// largest acceleration or gravity, and no force by more than that part of the largest force.
+/// Solves x = K^-1 b. Robots remain usable whose rounding errors change accelerations by up to tolerance::kWorthless of
+/// the largest acceleration or gravity, and forces by up to tolerance::kWorthless of the largest force.
 template <class S>
 void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   std::copy_n(n_.b, rows_, n_.x);

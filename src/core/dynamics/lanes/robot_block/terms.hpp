@@ -1,5 +1,5 @@
 #pragma once
-// RobotBlock: loads the robots' inputs, and assembles K x = b.
+// RobotBlock: loads the robots' inputs, evaluates their terms, and assembles K x = b.
 
 #include "manycontact/rank/row_units.hpp"
 #include "robot_block.hpp"
@@ -10,7 +10,7 @@ namespace manycontact::lanes {
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_state(const Job& job, Robots robots) {
-  serial_ = 0;  // kept terms are overwritten, also for robots that only springs couple, which have no border
+  serial_ = 0;  // the terms that `keep` marked are overwritten below
   if constexpr (kSingle)
     load_near(job, robots);
   else
@@ -23,7 +23,7 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   load_ends(job.scene, robots);
 }
 
-/// Loads the robots' own placements, inertias and armatures, unless all robots have the plan's model.
+/// Loads the placements, inertias and armatures of the robots' models, unless all robots have the plan's model.
 template <class S>
 void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
@@ -44,7 +44,7 @@ void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
 }
 
-/// Loads the placements of contacts' ends, on moving bodies or fixed.
+/// Loads the placements of contact frames, on moving bodies or fixed.
 template <class S>
 void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
@@ -75,7 +75,7 @@ void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
   }
 }
 
-/// Sets up the robots' own part of K x = b, and decides which robots' input is usable.
+/// Assembles K x = b of the robots and the contacts on single robots, and sets usable_ to robots with valid input.
 template <class S>
 void RobotBlock<S>::set_up(const Job& job, Robots robots) {
   load_state(job, robots);
@@ -101,7 +101,7 @@ void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// Sets the bias to h (time step) times the inverse dynamics of (q, v, a = stop), and then velocities to zero.
+/// Sets the bias of a time step h to h times the inverse dynamics at (q, v, a_), and then velocities to zero.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
@@ -113,7 +113,7 @@ void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   for (std::vector<Vec6<S>>* motion : {&kin.v, &kin.a}) std::fill(motion->begin(), motion->end(), Vec6<S>::Zero());
 }
 
-/// Stores the contacts' velocities J x at the start of a step, where x are velocities.
+/// Stores J x, the velocities of contact rows after a simulation step; x are the velocities that were solved for.
 template <class S>
 void RobotBlock<S>::store_contact_velocities(const Job& job, Robots robots) {
   double* to[kMostInBatch];
@@ -144,7 +144,7 @@ void RobotBlock<S>::evaluate_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// Stores the inconsistency of the contacts that pairs represent (ContactData::left).
+/// Stores ContactData::left of pairs: the inconsistency among the contacts that a pair replaces.
 template <class S>
 void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
   double* to[kMostInBatch];
@@ -156,8 +156,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes norms of J's rows and the motion scale, since pivots do not reveal rows that are only rounding errors.
-/// Damped rows are always sound.
+/// Computes sizes of rows of J and the motion scale, to find rows of mere rounding errors, which pivots do not show.
+/// With damping every row is sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
@@ -183,7 +183,7 @@ void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// Writes J and -delta I into K. The border's J is written later, without damping.
+/// Writes J and -delta I into K, without the border, whose J `factor` writes.
 template <class S>
 void RobotBlock<S>::assemble_rows(double damping) {
   const int* slot = pattern_.J_slot.data();
@@ -193,7 +193,7 @@ void RobotBlock<S>::assemble_rows(double damping) {
   for (std::size_t k = 0; k < count; ++k) n_.K[pattern_.diagonal_slot[k]] = S(k < own ? -damping : 0);
 }
 
-/// Sets b = [tau - h; wanted - a0; 0], with the prescribed row accelerations `wanted`.
+/// Sets b = [tau - h; prescribed accelerations - a0; 0], with zeros in the border.
 template <class S>
 void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = tau_[i] - robot_.h[i];

@@ -1,8 +1,8 @@
 #pragma once
-// Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp). A row without a sound pivot in an element gets inverse
-// pivot zero there, and is listed for that element. Column k of N has, per element, n = e - z of its k-th listed row:
-// the row is J^T z, and z combines kept rows. Independent rows of single-robot islands join the kept rows
-// (joining_rows.hpp). Q contains the columns of N made orthogonal.
+// Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp), i.e. rows without a sound pivot. Each element (robot)
+// lists its own waiting rows; their inverse pivots are zero. Column k of N has, per element, n = e - z for the k-th
+// listed row (unit vector e), which equals J^T z, a combination of kept rows. In single-robot islands, independent
+// waiting rows join the kept rows (joining_rows.hpp). Q are the orthogonalised columns of N; P projects on their span.
 
 #include <limits>
 #include <span>
@@ -41,24 +41,24 @@ class WaitingRows {
     listed_ = count_ + 1 + W;
     lists_ = listed_ + most_ * W;
   }
-  /// The size of row k of J, in K's order (rank/row_size.hpp), and its largest entry. Set both before factorizing.
+  /// The size of row k of J (rank/row_size.hpp), and the row's largest entry, k in K's order. Set before factorizing.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
-  /// The largest term of row k's a0 (bias_acceleration_terms), relative to which its inconsistency is judged.
+  /// The largest term of row k's a0 (bias_acceleration_terms), relative to which the row's inconsistency is judged.
   S& row_terms(int k) const { return row_terms_[k]; }
-  /// The null-space component of entry k that take_out removed.
+  /// Entry k of P x that take_out subtracted from x.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// Whether rows wait in any element; in which they do, counting joined rows; the redundant rows of one, in K's order.
+  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
     return {listed_ + lane * most_, static_cast<std::size_t>(count_[1 + lane])};
   }
 
-  /// Returns the multiple of its rounding error that a pivot must exceed, or its row waits; 1 if rows cannot join.
+  /// Returns the multiple of its rounding error below which a pivot makes its row wait; 1 if rows cannot join.
   double margin() const { return can_join_ ? tolerance::kWaits : 1; }
-  /// Forgets all waiting rows, before a factorization; `add` makes row k wait in elements where its pivot is not sound.
+  /// clear: empties all lists before a factorization. add: lists row k in elements where its pivot is not sound.
   void clear() {
     std::fill_n(count_, 1 + W, 0);
     joining_.clear();
@@ -73,12 +73,12 @@ class WaitingRows {
     *count_ = 1;
   }
 
-  /// Computes the null space and its projector after the factorization. Returns the usable elements whose waiting rows
-  /// join the kept rows, or depend on them with tolerable coefficients. solve(x): x <- K1^-1 x, all rows.
+  /// Computes N and Q after the factorization. Returns the usable elements whose waiting rows all join the kept rows,
+  /// or depend on kept rows with tolerable coefficients z. solve(x): x <- K1^-1 x, K1 the K of kept rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// The steps for joined rows before and after x <- K1^-1 x, C columns.
+  /// The steps for joined rows, before and after the caller's x <- K1^-1 x, for C columns.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);
@@ -88,7 +88,7 @@ class WaitingRows {
     if (joining_.any()) joining_.template after<C>(x);
   }
 
-  /// Computes into `judged` the sizes relative to which residuals of all rows are judged (rank::scale_of_dependent).
+  /// Sets `judged` to the sizes relative to which residuals of all rows are judged (rank::scale_of_dependent).
   void scale_of_dependent(const S* scale, S* judged) const {
     std::copy_n(scale, rows_, judged);
     for (int c = 0; c < *count_; ++c) {
@@ -132,8 +132,8 @@ class WaitingRows {
   }
 
  private:
-  static constexpr int kJoined = -1;  // replaces the number of a row that joined
-  struct Entry {  // entry of a row of J in K: its column and slot; or in L: an earlier row of J and the slot
+  static constexpr int kJoined = -1;  // replaces, in an element's list, the number of a row that joined
+  struct Entry {  // an entry of J in K (row: the coordinate), or of L between rows of J (row: the earlier one)
     int row, slot;
   };
   /// Lists of entries, one per row of K.
@@ -143,10 +143,10 @@ class WaitingRows {
     std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
   };
 
-  /// Columns: N has c, Q has of_Q(c).
+  /// N and Q share one array: column c of Q is column of_Q(c) of the array.
   int of_Q(int c) const { return static_cast<int>(most_) + c; }
   S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
-  /// The rows of a column that are nonzero in any element, ascending; list() stores their count first.
+  /// column: the rows of a column that are nonzero in any element, ascending. list: these rows after their count.
   int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
   std::span<const int> column(int c) const { return {list(c) + 1, static_cast<std::size_t>(*list(c))}; }
   void list_column(int c) const {
@@ -181,12 +181,12 @@ class WaitingRows {
   std::size_t most_;
   bool can_join_;
   std::vector<int> of_J_;       // rows of J in K's order, ascending
-  Entries of_row_, of_factor_;  // J's entries in K, in M's columns; in L, in earlier rows of J
-  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // number of waiting rows; the others per row of K
+  Entries of_row_, of_factor_;  // entries of J in K; entries of L between rows of J
+  S *waiting_, *row_terms_, *row_size_, *entry_, *null_component_;  // number of waiting rows; others: one per row of K
   S *N_, *inverse_;                // N and Q by columns; inverse squared norms of Q's columns
-  int *count_, *listed_, *lists_;  // counts: N's columns, each element's rows; these rows; column()
-  std::vector<S> left_, x_, t_;    // t: coefficients of Q's columns in a projection
-  std::vector<S> terms_, error_;   // terms of removed pivots; relative residuals of N's columns
+  int *count_, *listed_, *lists_;  // number of N's columns, then of each element's rows; the rows; memory of list()
+  std::vector<S> left_, x_, t_;    // scratch: J^T n; a vector in K's order; coefficients of Q's columns
+  std::vector<S> terms_, error_;   // terms of removed pivots; relative residual J^T n of each column of N
   JoiningRows<S> joining_;
 };
 
@@ -248,7 +248,7 @@ typename S::Mask WaitingRows<S>::hold(Mask usable, const S* K, const S* L, S* D,
   return out;
 }
 
-/// Refines column c of N with the kept rows; returns the elements where the waiting row depends on these.
+/// Refines column c of N by solves with the kept rows. Returns the elements whose waiting row depends on the kept rows.
 template <class S>
 template <class Solve>
 typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solve) {
@@ -263,7 +263,7 @@ typename S::Mask WaitingRows<S>::refine(int c, Mask of, const S* K, Solve&& solv
   return depends;
 }
 
-/// Rows that are independent of the kept rows join them. The columns of the remaining rows restart with z = 0.
+/// Joins independent waiting rows to the kept rows. Resets columns of N of the other waiting rows to z = 0.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::join(const S* K, Solve&& solve) {
@@ -271,13 +271,13 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
   const auto entries = [&](int l, int k, auto&& use) {
     for (const Entry& entry : of_row_.at(k)) use(entry.row, K[entry.slot][l]);
   };
-  const auto terms = [&](int l, int k) {  // a row that is only rounding error does not join
+  const auto terms = [&](int l, int k) {  // a row of mere rounding errors does not join
     double sum = terms_[k][l];
     if (!(entry_[k][l] > tolerance::kRank * row_size_[k][l])) sum = std::numeric_limits<double>::infinity();
     entries(l, k, [&](int i, double x) { sum += i > k ? x * x / diagonal(i)[l] : 0; });
     return sum;
   };
-  const auto solve_refined = [&](const S* b, S* x) {  // once
+  const auto solve_refined = [&](const S* b, S* x) {  // refined once
     std::copy_n(b, rows_, x);
     solve(x);
     sparse::ldl_scheduled_residual(pattern_.K, as_scalar(K), as_scalar(x), as_scalar(b), as_scalar(x_.data()));
@@ -297,7 +297,7 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
   }
 }
 
-/// Removes the rows that join from an element's list, with their columns of N.
+/// Removes rows marked kJoined from an element's list, and their columns from N.
 template <class S>
 void WaitingRows<S>::forget(int lane) {
   int *const rows = listed_ + lane * most_, kept = 0;
@@ -313,7 +313,7 @@ void WaitingRows<S>::forget(int lane) {
   count_[1 + lane] = kept;
 }
 
-/// Counts the waiting rows, and removes their pivots. Returns the usable elements without too many.
+/// Counts the waiting rows, and removes their pivots. Returns the usable elements with at most most_ waiting rows.
 template <class S>
 typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   *waiting_ = S(0), *count_ = 0;
@@ -332,7 +332,7 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
 
-/// Solves L^T z = l_k over the rows of J before k, and sets column e_k - z of N.
+/// Sets column c of N to e_k - z, k the waiting row, where L^T z = l_k over the rows of J before k; l_k: row k of L.
 template <class S>
 void WaitingRows<S>::null_column(int c, const S* L) {
   for (int k : of_J_) x_[k] = N(c, k) = S(0);
@@ -350,7 +350,7 @@ void WaitingRows<S>::null_column(int c, const S* L) {
   list_column(c);
 }
 
-/// Sets left = J^T n; returns its largest entry relative to the sizes of the rows, or NaN.
+/// Sets left_ = J^T n, n column c of N or Q. Returns the largest entry relative to the sizes of J's rows, or NaN.
 template <class S>
 S WaitingRows<S>::residual(int c, const S* K) {
   std::fill(left_.begin(), left_.end(), S(0));
@@ -364,7 +364,7 @@ S WaitingRows<S>::residual(int c, const S* K) {
   return select(largest > S(0), largest / size, sum);
 }
 
-/// Adds K_kept^-1 times z's residual in open elements, as small pivots or later rows make l_k alone inaccurate.
+/// Corrects z of column c in open elements by K1^-1 times the residual left_: small pivots make null_column inaccurate.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
@@ -377,8 +377,8 @@ void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
   list_column(c);
 }
 
-/// Computes Q, whose projector is accurate also if N has large entries. Returns the elements of `of` whose columns
-/// satisfy J^T q = 0 up to rounding. Surplus columns of an element are zero.
+/// Computes Q from N; orthogonal columns keep P accurate if N has large entries. Returns the elements of `of` whose
+/// columns q satisfy J^T q = 0 up to rounding. Surplus columns of an element are zero.
 template <class S>
 typename S::Mask WaitingRows<S>::make_orthogonal(Mask of, const S* K) {
   for (int c = 0; c < *count_ && of.any(); ++c) {

@@ -61,7 +61,7 @@ void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodi
   if (of.parent < 0) b.motion[at].head<3>() -= scene.gravity;  // gravity as an acceleration of the bases
 }
 
-// Evaluates the rows' unit forces on bodies, and the right-hand side: residuals without body accelerations.
+// Evaluates the unit forces of the rows on both bodies, and the right-hand side: prescribed acceleration minus a0.
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t k, int first,
                    BodySystem& s, BodyVectors& b) {
   const V6 none = V6::Zero();
@@ -105,7 +105,7 @@ bool all_finite(const BodyVectors& x) {
          std::all_of(x.force.begin(), x.force.end(), finite);
 }
 
-// Returns the largest terms of the bodies' accelerations, and the largest moment arm.
+// Returns the largest terms of the bodies' accelerations. lever: set to the largest moment arm.
 RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodies, double& lever) {
   RowTerms<double> out;
   for (const V6& c : bodies.solution.b.motion) {
@@ -127,7 +127,7 @@ RowTerms<double> terms_of_bodies(const Workspace& work, const BodiesSystem& bodi
   return out;
 }
 
-// Sizes of rows are moment arms here, as J is not computed.
+// Returns the inconsistency of contacts. Moment arms replace the sizes of rows of J, which are not computed here.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& work, BodiesSystem& bodies) {
   rank::Contradiction<double> of;
   std::tie(of.Ja, of.a0) = row_terms_of_joints(bodies.factor.system, bodies.solution);
@@ -155,7 +155,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Solves without the redundant rows, then adds their inconsistency to b again so that the residual contains it.
+// Solves without the redundant rows. Their inconsistency is removed from b for the solve; the residual includes it.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;
@@ -168,13 +168,13 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
-// Whether sparse-bodies drops rows: with few coordinates the whole K is as fast, and provides derivatives.
+// Whether sparse-bodies drops redundant rows. With few coordinates MatrixSystem is as fast, and provides derivatives.
 bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
   return may_drop_rows(scene, island.contacts) &&
          (data.options.method == Method::kSparseBodies || island.nv >= tolerance::kFewCoordinates);
 }
 
-// Solves the whole island; kNone: factor and solution are sound.
+// Solves the whole island. Returns kNone if factor and solution are sound.
 Reason solve_whole(const Scene& scene, const SceneData& data, BodiesSystem& bodies, sparse::Refinement& refinement) {
   evaluate_bodies(scene, data, bodies);
   Reason reason =
@@ -251,7 +251,7 @@ bool BodiesSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
   whole.add(nonzeros(*factor.system.pattern, factor.ldl), solution.residual, refinement);
   internal::report_answer(scene, whole, report);
   if (std::ranges::any_of(owner.island.contacts, [&](int c) { return scene.contacts[c].pair != nullptr; })) {
-    const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // the bodies' own terms include gravity
+    const auto [Ja, a0] = row_terms_of_joints(factor.system, solution);  // terms of rows without gravity
     report.contact_terms = Ja + a0;
   }
   if (!factor.ldl.found.empty()) {

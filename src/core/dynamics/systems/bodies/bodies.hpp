@@ -1,5 +1,6 @@
 #pragma once
-// Solves an island by sparse-bodies (kkt/bodies): whole, or by the subtrees between constrained bodies.
+// Solves an island by sparse-bodies (kkt/bodies), whole or by subtrees. At a cut, i.e. a body with six independent rows
+// that determine its acceleration, the subtree below can be solved by itself.
 
 #include "../../lanes/lanes.hpp"
 #include "../../lanes/subtrees.hpp"
@@ -10,7 +11,7 @@
 
 namespace manycontact {
 
-/// A body whose rows determine its acceleration, so that the subtree below can be solved independently.
+/// The constrained body of a cut: its acceleration, the factor of its six rows, and their numbers in data.f.
 struct HeldBody {
   Vec6<double> a;
   BodyHold hold;
@@ -30,47 +31,47 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Solves the whole system at the current state. False without sound pivots, or with dependent rows.
+  /// Solves the whole island at the current state. Returns false if pivots are not sound, or if rows are dependent.
   bool make_current(const Scene&, const SceneData&);
 
   IslandWork& owner;
   std::vector<BodyKinematics<double>> kin;  // one entry per robot of the island; set by solve
-  // subtrees between constrained bodies; those of one shape share a Shape
+  // subtrees between cuts; subtrees of one shape share a Shape
   const BodySubtrees* subtrees;
   struct Slot {
     const BodySubtree* subtree = nullptr;
     BodySystem system;
     BodySolve solution;
-    std::vector<int> row;  // number of each row among the scene's forces
+    std::vector<int> row;  // index in data.f of each contact row of the subtree
   };
   struct Shape {
     Shape(std::shared_ptr<const BodyPattern> pattern, const simd::Level* level);
     std::shared_ptr<const BodyPattern> pattern;
-    BodyLdl ldl;                                 // factor of a subtree alone
-    std::unique_ptr<lanes::SubtreeBatch> lanes;  // null: subtrees are solved one by one
-    std::vector<Slot> slots;                     // one per subtree of a SIMD batch
+    BodyLdl ldl;                                 // factor of a subtree that is solved without a SIMD batch
+    std::unique_ptr<lanes::SubtreeBatch> lanes;  // nullptr: no SIMD batches
+    std::vector<Slot> slots;                     // subtrees that are solved together, as many as fill a SIMD batch
     std::size_t filled = 0;
     std::vector<lanes::SubtreeBatch::Subtree> side_by_side;  // one per filled slot
   };
   std::vector<Shape> shapes;
   std::vector<HeldBody> held;          // one per cut: the constrained body
-  std::vector<Vec6<double>> reaction;  // one per cut: reaction of the subtree below
+  std::vector<Vec6<double>> reaction;  // one per cut: force of the subtree below on the constrained body
   // the whole system
-  std::uint64_t state = 0;  // the state that factor and solution belong to
-  bool sound = false;       // whether these can be used
+  std::uint64_t state = 0;  // the state (Workspace::state) of `factor` and `solution`
+  bool sound = false;       // whether `factor` and `solution` can be used
   BodyFactor factor;
   BodySolve solution;
   BodyDependence dependence;
 
   // set by jvp, vjp; allocated at the first call
-  std::vector<ContactData<double>> contacts;  // one per contact of the island, at the solution
+  std::vector<ContactData<double>> contacts;  // one per contact of the island: rows at the solution's accelerations
   std::vector<BodyVariation> body;
   BodySolve products;
 };
 
 namespace internal {
 
-/// Report values over all systems solved: the worst or largest.
+/// Values for the report of an island: the worst or largest over all subtrees solved.
 struct BodyAnswer {
   sparse::Refinement refinement;
   int nonzeros = 0;
@@ -78,23 +79,23 @@ struct BodyAnswer {
   void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 
-/// Solves subtree by subtree; false if the island is one subtree, or if any has no sound solution.
+/// Solves subtree by subtree. Returns false if the island is one subtree, or if a subtree has no sound solution.
 bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
-/// Evaluate a robot's node or a contact's rows, numbered from node `at`, coordinate `dof` and row `first`.
+/// Evaluate one body of a robot into node `at` and coordinates from `dof` on, or a contact into rows from `first` on.
 void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t robot, int joint,
                    int at, int dof, BodySystem& system, BodyVectors& b);
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t contact,
                    int first, BodySystem& system, BodyVectors& b);
-/// Places the bases and marks joint-space terms as unknown. Call it before the first evaluate_node.
+/// Sets the placements of bases and marks joint-space terms as not evaluated. Call it before the first evaluate_node.
 void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies);
-/// Computes x of `solve`, refined, after all nodes and rows. kNone: it is sound.
+/// Computes solve.x with refinement, once all nodes and rows are evaluated. Returns kNone if solve.x is sound.
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement);
 
 /// Returns the kinematics of an attachment's robot; nullptr if its body is fixed.
 const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
-/// Evaluates bodies.contacts at the solution, relative to the contacts' bodies.
+/// Evaluates bodies.contacts at the accelerations of the solution, each in the frames of the contact's bodies.
 void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);
 /// Overwrites x, in the island's order, with K x, by a recursion over the bodies.
 void multiply_bodies(const BodySystem& system, double* x);

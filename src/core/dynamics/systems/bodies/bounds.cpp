@@ -2,9 +2,9 @@
 //
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
-// where each equation has the terms of one body and its parent, and A is symmetric if unknowns are paired with
-// equations (a with f's, f with a's). Rounding of b is relative to its terms: those of v x* Y v, of size |v|^2 |Y|,
-// cancel for bodies that are fast relative to their joints.
+// where an equation has terms of one body and its parent. A is symmetric if the body's acceleration is paired with the
+// equation of forces, and its force with that of accelerations. Rounding errors of b are relative to its terms: terms
+// v x* Y v, of size |v|^2 |Y|, cancel for bodies that are fast relative to their joints.
 
 #include <algorithm>
 #include <cmath>
@@ -22,20 +22,20 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Returns the largest terms of a contact's a0; a placement in the world has the rounding error of its own digits.
+// Returns the largest terms of a contact's a0, including the size of its placement in the world, which is rounded too.
 internal::RowTerms<double> answered(const Contact& contact, const ContactData<double>& rows) {
   const double place = contact.B.robot < 0 ? internal::largest_entry<double>(contact.B.placement.p) : 0;
   return internal::row_terms<double>(contact, rows, place);
 }
 
-// Returns one uncertainty per equation: each body's a and f, then joints and rows.
+// Returns |r| + c eps (terms) of each equation: six of a and six of f per body, then joints, then contact rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
   const BodyResidual& left = form.solution.residual;
   const double c = (tolerance::kBoundRounding + 6) * std::numeric_limits<double>::epsilon();
   std::vector<double> w;
-  // underflow: errors are multiples of eps times the smallest normal number
+  // the smallest normal number counts as a term: below it, rounding errors are no longer relative
   const auto rounding = [c](double scale) { return c * std::max(scale, std::numeric_limits<double>::min()); };
   w.reserve(12 * static_cast<std::size_t>(p.nodes) + p.nv + p.nc);
   for (int i = 0; i < p.nodes; ++i) {
@@ -65,7 +65,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
   return w;
 }
 
-// Returns the largest |A^-1| w of joints or of rows: the 1-norm of diag(w) A^-T restricted to these columns.
+// Estimates the largest |A^-1| w of joints, or of contact rows (of_rows), by the 1-norm of columns of diag(w) A^-T.
 double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -87,7 +87,7 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
     std::fill_n(x, of_rows ? rows : joints, 0.0);
     if (!of_rows) std::fill_n(x + rows, p.nc, 0.0);
   };
-  // Solves with A^-1 or its transpose, which exchanges the roles of a and f, up to signs that norms ignore.
+  // Solves with A^-1 or its transpose. The transpose exchanges a and f, up to signs, which do not matter in norms.
   const auto solve = [&](double* x, bool transposed) {
     take(x);
     solve_bodies(s, form.factor.ldl, v.b, v.x);
@@ -105,7 +105,7 @@ double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
 
 double largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(); }
 
-// Returns the loads, including bodies' weights and bias forces.
+// Returns the largest loads on the island, including weights and bias forces of bodies.
 internal::Acting what_acts(const Scene& scene, const BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -131,7 +131,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
   const std::vector<double> w = uncertainty(scene, data, *this);
-  // if subtrees were solved: plus the distance to the whole system's solution, whose error is bounded
+  // distance of the reported solution, possibly by subtrees, to that of the whole island, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());

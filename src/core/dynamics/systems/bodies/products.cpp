@@ -1,4 +1,4 @@
-// jvp and vjp by sparse-bodies, as derivatives/products.cpp but in body frames, with da and df of bodies as unknowns.
+// jvp and vjp by sparse-bodies: as derivatives/products.cpp, but in body frames, and da, df of all bodies are unknowns.
 
 #include "manycontact/contact/products.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Returns S x of a node's joint.
+// Returns S x, S the motion columns of node i's joint.
 V6 combine(const BodySystem& s, int i, const double* x) {
   const int first = s.pattern->first_dof[i];
   V6 out = s.S.col(first) * x[first];
@@ -22,7 +22,7 @@ V6 combine(const BodySystem& s, int i, const double* x) {
   return out;
 }
 
-// Returns the parent's motion at the node's origin.
+// Returns the motion x of node i's parent at the origin of node i; zero at a base.
 V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
   const int parent = s.pattern->parent[i];
   return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);
@@ -32,7 +32,7 @@ int node_of(const BodiesSystem& form, const Attachment& at) {
   return node_of(*form.factor.system.pattern, form.owner.island, at);
 }
 
-// Calls use(node, its robot's kinematics, its joint) for each node.
+// Calls use(node, kinematics of the node's robot, joint of the robot) for each node.
 template <class Use>
 void each_node(const BodiesSystem& form, Use&& use) {
   const std::vector<int>& offset = form.factor.system.pattern->node_offset;
@@ -40,7 +40,7 @@ void each_node(const BodiesSystem& form, Use&& use) {
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
 }
 
-// Computes displacements and velocities along (dq, dv), and the changes d(S qdd + c), d(Y a + p), d(S^T f).
+// Computes the bodies' displacements and velocity changes by (dq, dv), and d(S qdd + c), d(Y a + p), d(S^T f).
 void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
   const BodySystem& s = form.factor.system;
   const BodyVectors& x = form.solution.x;
@@ -90,7 +90,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Computes gradients of the bodies' own equations, with u and l in products.x.
+// Computes gradients of the equations Y a + p of the bodies, given the adjoint solution (u, l) in products.x.
 void adjoint_bodies(BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
@@ -119,7 +119,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Converts gradients per body into gradients per coordinate, as pull_back of algorithm/rnea_products.hpp.
+// Converts gradients per body into gradients wq, wv per coordinate, as pull_back in algorithm/rnea_products.hpp.
 void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;
@@ -173,7 +173,7 @@ bool BodiesSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
   internal::evaluate_rows_at_solution(scene, *this);
   body.resize(factor.system.pattern->nodes);
   products.resize(*factor.system.pattern);
-  BodyVectors& in = w.dx;  // dq, dv of the island; dx overwrites them
+  BodyVectors& in = w.dx;  // dq, dv of the island, until dx replaces dq
   BodyVectors& in2 = w.residual.r;
   each_velocity_block(scene, island, [&](int from, int to, int n) {
     in.joints.segment(to, n) = p.dq.segment(from, n);

@@ -1,5 +1,5 @@
-// Sparse-bodies on subtrees (kkt/bodies/subtrees.hpp), which are independent as rows determine the acceleration of a
-// constrained body. Those of one shape are solved when they fill a SIMD batch; reactions are added last.
+// Solves an island by sparse-bodies subtree by subtree (kkt/bodies/subtrees.hpp). Subtrees of one shape are solved once
+// they fill a SIMD batch. Their forces on the constrained bodies above are added to the contact forces last.
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Calls use(node of the subtree, robot of the island, its joint) for each node of the subtree.
+// Calls use(node of the subtree, robot of the island, joint of the robot) for each node of the subtree.
 template <class Use>
 void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& use) {
   const std::vector<int>& offset = bodies.factor.system.pattern->node_offset;
@@ -24,7 +24,7 @@ void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& us
   }
 }
 
-// Evaluates a subtree's equations; its bases move with the constrained body above.
+// Evaluates a subtree's equations. The subtree's bases have the acceleration of the constrained body above.
 void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
                       BodiesSystem::Slot& slot) {
   BodySystem& s = slot.system;
@@ -44,7 +44,7 @@ void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& b
   }
 }
 
-// Factorizes the rows that constrain a body, and solves for its acceleration. False: they are (nearly) redundant.
+// Factorizes a cut's six rows and solves for its body's acceleration. Returns false if the rows are nearly redundant.
 bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
   if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
   V6 g;
@@ -56,7 +56,7 @@ bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& hel
   return true;
 }
 
-// Stores accelerations and forces of a subtree.
+// Copies a subtree's accelerations and contact forces to data.a and data.f.
 void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies, const BodiesSystem::Slot& slot) {
   const BodySubtree& subtree = *slot.subtree;
   const BodyPattern& p = *subtree.pattern;
@@ -69,7 +69,7 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// Computes the reaction of a subtree on the body above. Returns the relative part that the body's rows cannot support.
+// Computes a subtree's force on the body above. Returns the relative part of it that the body's rows cannot support.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();
@@ -83,7 +83,7 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Solves the subtrees in a shape's slots, in a SIMD batch if that is sound. False: one has no sound solution.
+// Solves the subtrees in a shape's slots, in a SIMD batch if sound. Returns false if one has no sound solution.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

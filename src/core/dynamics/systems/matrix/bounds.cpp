@@ -16,13 +16,13 @@ namespace {
 
 using Apply = std::function<void(double*)>;
 
-// Returns x <- K^-1 x (or K^+ x) by the current factor.
+// Returns a function that overwrites x with K^-1 x, or K^+ x if K is singular, by the current factor.
 Apply inverse(MatrixSystem& m) {
   return [&m](double* x) { m.factor->solve(x); };
 }
 
-// Magnitudes of the linear and the angular part of a motion or a force. They are separate: a body that only slides has
-// no moment arm, so the distance of its placement must not enlarge its rotation.
+// Magnitudes of the linear and the angular part of a motion or a force. One common magnitude would be too large for a
+// body that slides far away: it would count as a rotation with a large moment arm.
 struct TwistSize {
   double linear = 0, angular = 0;
   double of(const TwistSize& motion) const { return linear * motion.linear + angular * motion.angular; }
@@ -32,7 +32,7 @@ struct TwistSize {
   }
 };
 
-// Magnitudes of the terms that an inertia was computed from, if larger than its own entries.
+// Magnitudes of an inertia's mass m, first moment h and moments I, or of the terms of their sums if larger.
 struct InertiaSize {
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
@@ -44,7 +44,7 @@ struct InertiaSize {
   TwistSize operator*(const TwistSize& x) const { return {m * x.linear + h * x.angular, h * x.linear + I * x.angular}; }
 };
 
-// Returns the size of a column of a motion subspace, its moment arm included.
+// Returns the magnitudes of a joint's motion column k, including its rotation times its distance from the origin.
 TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
   TwistSize out;
   out.take(kin.J.col(k));
@@ -54,10 +54,10 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 
 }  // namespace
 
-// Terms of M's entries are S^T Yc S, those of h are S^T f, with Yc and f about the tree frame's origin.
+// Terms of M: S^T Yc S; of h: S^T f (joint motions S, composite inertias Yc, forces f, all in the tree frame).
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
-  std::vector<TwistSize> v(n), acceleration(n), force(n);  // sizes of the motions: the largest from the base on
+  std::vector<TwistSize> v(n), acceleration(n), force(n);  // magnitudes, the largest along the path from the base
   std::vector<InertiaSize> Yc(n);
   for (int i = 0; i < model.njoints(); ++i) {
     if (const int parent = model.joints[i].parent; parent >= 0)
@@ -93,7 +93,6 @@ void internal::torque_terms(const Model& model, const RobotData& r, const double
   }
 }
 
-// Returns c eps for a sum along the deepest chain of joints.
 double internal::rounding(const Scene& scene, const MatrixSystem& m) {
   int depth = 0;
   for (int r : m.owner.island.robots)
@@ -135,12 +134,12 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| + c eps (terms of each row), in elimination order; r without the contacts' inconsistency.
+// Returns |r| + c eps (terms of each row), in elimination order. r: residual of K x = b without the inconsistency.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
   const int* iperm = m.K.pattern->iperm.data();
-  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // both in the island's order
+  std::vector<double> w(m.owner.island.size(), 0.0), a(m.owner.island.nv);  // w and a are in the island's order
   for (int k = 0; k < m.owner.island.nv; ++k) a[k] = s.x[iperm[k]];
   for (std::size_t k = 0; k < m.owner.island.robots.size(); ++k) {
     const int r = m.owner.island.robots[k], o = m.owner.island.dof_offset[k];
@@ -170,7 +169,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   return out;
 }
 
-// Returns the largest kept_k (|K^-1| w)_k: the 1-norm of diag(w) K^-1 diag(kept).
+// Estimates the largest kept_k (|K^-1| w)_k as the 1-norm of diag(w) K^-1 diag(kept). solve: x <- K^-1 x.
 double bound(const Apply& solve, const std::vector<double>& w, const std::vector<double>& kept) {
   const int n = static_cast<int>(w.size());
   const auto mask = [&](double* x) {
@@ -184,7 +183,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
-// Returns weights of K's unknowns: 1 for a, S for f in the island's rows first ... first+count-1; zero in all others.
+// Returns weights `kept` of K's unknowns in rows first ... first+count-1: 1 for a, S for f. Other weights are zero.
 std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   std::vector<double> kept(m.owner.island.size(), 0.0);
   for (int k = first; k < first + count; ++k)
@@ -192,9 +191,9 @@ std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   return kept;
 }
 
-// Bounds the change of least-norm forces if rounding errors of J rotate the null space of J^T: P dJ J^+ f, P = I - J
-// J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12), i.e. the largest entry of |P| |dJ| |y| with J y = f.
-// dJ has rounding errors of the rows in their own columns, and of orthogonal elimination in all (Higham, theorem 19.4).
+// Bounds the change P dJ y of least-norm forces f = J y by rounding errors dJ, which rotate the null space of J^T.
+// P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). dJ: c eps in the nonzero columns of each
+// row, and eps in all columns by orthogonal elimination (Higham, theorem 19.4).
 double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   const int n = m.owner.island.size();
@@ -226,7 +225,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 
 }  // namespace
 
-// dJ has rounding errors of the rows in their own columns, and of orthogonal elimination in all (Higham, theorem 20.3).
+// dJ: c eps in nonzero columns of each row, and eps in all columns by orthogonal elimination (Higham, theorem 20.3).
 std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                                    const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
@@ -250,7 +249,7 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// Bounds the error of projecting forces to least norm.
+// Bounds the error of forces that is due to rounding errors of the projection to least norm.
 double projected_forces(const MatrixSystem& m) {
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)
@@ -258,7 +257,7 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-// The size of the reported solution (a, f), and its distance to the whole K's solution x, to which the bounds apply.
+// The largest entry of the reported a or f, and the largest difference to x, the solution by K that is bounded.
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

@@ -1,14 +1,14 @@
-// Bounds of the errors of derivatives Y = [da; -df], K Y = R, column by column in the maximum norm:
+// Bounds the errors of derivatives Y = [da; -df], the solution of K Y = R, per column in the maximum norm:
 //
 //     |Y - Y_true| <= |K^-1| (|R - K Y| + c eps T + c eps |K| |Y| + T_x),
 //
-// T are the magnitudes of the terms of R, which may cancel; |K| those of K's entries; T_x is the effect of errors of a
-// and f, on which only derivatives with respect to q depend. Terms of wrenches and springs have neither. If rows are
-// dependent, with inconsistency rho and columns P R of derivatives, rounding adds as in bounds.cpp
+// T are magnitudes of the terms of R, which may cancel; |K| includes magnitudes of the terms of K's entries. T_x is the
+// effect of errors of a and f on R, for derivatives with respect to q alone; external wrenches and springs have none.
+// If rows are dependent, with inconsistency rho and projection P R of R on the null space, rounding errors dJ of J add
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
-// where drho is the uncertainty of rho: its rounding error, and all of rho if derivatives omit its term.
+// as in bounds.cpp. drho is the uncertainty of rho: its rounding error, and all of rho if it is omitted in derivatives.
 
 #include "../../applied_forces.hpp"
 #include "../../internal.hpp"
@@ -20,8 +20,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns |G|, G = d(J^T rho)/dq (least_norm_forces.cpp), per row of dynamics the largest over q: a contact's force on
-// columns of J that rotate with joints before them (jacobian_rate.hpp). rho: rows of the island.
+// Returns, per row of dynamics, the largest entry of G = d(J^T rho)/dq over all q (least_norm_forces.cpp). G is the
+// change of J^T rho as columns of J rotate with the joints before them (jacobian_rate.hpp). rho: one per contact row.
 std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                const std::vector<double>& rho) {
   std::vector<double> out(m.owner.island.nv, 0.0);
@@ -44,7 +44,7 @@ std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const 
   return out;
 }
 
-// Returns the largest motions and rotations of a robot's coordinates; a free base's placement has no effect.
+// Returns the largest linear and angular motions of a robot's coordinates; linear motions of a free base do not count.
 RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& kin) {
   RowTerms<double> out;
   for (int k = 0; k < model.nv; ++k) {
@@ -55,7 +55,7 @@ RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& k
   return out;
 }
 
-// Adds |d(S^T f)/dq|, the largest over q, to terms. f: contact forces on a body and its descendants, uncancelled.
+// Adds the largest |d(S^T f)/dq| over q to `terms`. S: a coordinate's motion; f: sum of |fext| of the bodies it moves.
 void add_turned_forces(const Model& model, const Kinematics<double>& kin, const RowTerms<double>& motions,
                        const std::vector<Vec6<double>>& fext, double* terms) {
   std::vector<RowTerms<double>> F(model.njoints());
@@ -73,8 +73,8 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
   }
 }
 
-// Magnitudes of terms of derivatives with respect to q and v, per row of K in the island's order. A term that rotates
-// with q has a derivative of its own size, a product of velocities one of twice its size.
+// Magnitudes of terms of derivatives with respect to q and v, one entry per row of K in the island's order. A term that
+// rotates with q has a derivative of the term's size; a product of two velocities has one of twice the term's size.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
   std::vector<double> M;  // one entry per row of dynamics: terms of the largest entry of M
@@ -120,7 +120,7 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// Returns T_x per row of K, in the island's order, if errors of all accelerations are a and of all forces f.
+// Returns T_x, one entry per row of K in the island's order, if each acceleration has error a and each force error f.
 std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
                                     const std::vector<double>& terms_of_M, double a, double f) {
   const Workspace& work = *data.workspace;
@@ -154,7 +154,7 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   return out;
 }
 
-// Adds |dK| sizes to w, in elimination order and units of rounding: K's entries may be differences of large terms.
+// Adds |dK| `sizes` to w, in elimination order. dK: errors, over c eps, of K's entries by their cancelling terms.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
@@ -168,7 +168,7 @@ void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSyste
   add_terms_of_J(scene, work, m, sizes, w);
 }
 
-// Returns the uncertainty of the contacts' inconsistency, per row of the island.
+// Returns the uncertainty drho of the contacts' inconsistency, one entry per contact row.
 std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   std::vector<double> out(island.nc);
@@ -184,11 +184,11 @@ std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& w
   return out;
 }
 
-// Columns X of derivatives, and their residuals in units of K.
+// Columns X of derivatives, and their residuals in the scaled units of K.
 struct Panel {
   const AlignedPanel& X;
-  AlignedPanel Y, left;  // [da; -df], forces divided by S; R - K Y
-  AlignedPanel missed;   // P R if rows are dependent
+  AlignedPanel Y, left;  // Y = [da; -df], df divided by the row units S; residual R - K Y
+  AlignedPanel missed;   // P R, if rows are dependent
 
   // X may have memory for more columns than R.
   Panel(const MatrixSystem& m, const AlignedPanel& of, const AlignedPanel& R) : X(of), Y(R), left(R) {
@@ -204,11 +204,11 @@ struct Panel {
   }
 };
 
-// Columns of a panel with respect to one kind of variable.
+// Columns of a panel with respect to one kind of variable: q, v, u or wrenches.
 struct Columns {
   const Panel& panel;
   int first, count;
-  const AlignedPanel* R = nullptr;             // residual, without external wrenches and springs
+  const AlignedPanel* R = nullptr;             // right-hand sides, without wrenches and springs
   const std::vector<double>* terms = nullptr;  // one entry per row of the island: terms of R
   std::vector<double> applied = {};            // one entry per row of dynamics: terms of wrenches and springs
   bool by_q = false;
@@ -248,7 +248,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   const auto bound_columns = [&](const Columns& of, double& of_a, double& of_f) {
     if (of.count == 0) return;
     const KktPattern& p = *m.K.pattern;
-    const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // least squares turn with a and f
+    const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // a, f change least squares
     for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = of.largest(of.panel.Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
     add_terms_of_K(scene, *data.workspace, m, terms, sizes, w);
@@ -274,7 +274,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
     of_a = Known{of.largest(of.panel.X, 0, island.nv), bound(0, island.nv)}.relative();
     if (island.nc == 0 || !derivatives.request.forces) return;
     const double df = of.largest(of.panel.X, island.nv, island.nc);
-    // effects of wrenches and springs may cancel the others
+    // terms of wrenches and springs may cancel the other terms
     const double summed = m.deficient() ? bound_of_solution(m, of_applied, island.nv, island.nc) : 0;
     of_f = Known{df, bound(island.nv, island.nc) + projected * (df + summed)}.relative();
   };

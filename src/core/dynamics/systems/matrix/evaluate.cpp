@@ -112,7 +112,7 @@ void assemble(const Scene& scene, const SceneData& data, Order order, double dam
   for (int c : d.island.contacts)
     m.K.row_scale = std::max(m.K.row_scale, motion_scale(scene.contacts[c], w.contacts[c]));
 
-  const int* iperm = m.K.pattern->iperm.data();  // b = [tau - h; wanted - a0]
+  const int* iperm = m.K.pattern->iperm.data();  // b = [tau - h; prescribed - a0]
   double* b = m.v.b.data();
   for (std::size_t k = 0; k < d.island.robots.size(); ++k) {
     const Robot& robot = scene.robots[d.island.robots[k]];

@@ -27,13 +27,13 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether the dense reference solver may be used to confirm results: its time is cubic, its memory quadratic.
+// Whether K is small enough for the dense reference solver, whose time is cubic and whose memory is quadratic.
 bool may_ask_oracle(const MatrixSystem& m) {
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
 
-// Sets the sizes relative to which the rows of the island's J are judged.
+// Computes the possible size of each row of the island's J, with which vanishing rows and pivots are compared.
 void row_scales(const Scene& scene, const Workspace& w, const Island& island, std::vector<double>& size) {
   size.resize(island.nc);
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
@@ -43,7 +43,7 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   }
 }
 
-// Whether a row of the island's J is only rounding error relative to the contacts' motions; pivots do not reveal this.
+// Whether a row of the island's J consists of rounding errors only, relative to `size`. Pivots do not show this.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
@@ -56,7 +56,7 @@ bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vec
   return false;
 }
 
-// Returns the inconsistency of the contacts. Rows made dependent may leave a residual as large as their change.
+// Returns the inconsistency of the contacts. It is zero if WithinTolerance's change of J can explain it.
 rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace& w, MatrixSystem& m,
                                              const std::vector<double>& sizes) {
   const Island& island = m.owner.island;
@@ -82,17 +82,16 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Returns the backward error relative to the data: each row's residual is compared with the terms of its entries of M,
-// J and b, of which kPartOfData counts. Entries of M are rounded relative to sqrt(M_jj M_kk), those of J to row_size.
-// It replaces the ordinary error if that is too large: at rest or in free fall, where rows consist of rounding errors,
-// terms are at least those of the largest acceleration that loads cause.
+// Returns a backward error that suits rows of mere rounding errors, as at rest or in free fall. A row's residual is
+// relative to the largest of: its terms; kPartOfData of its terms if M_jk were sqrt(M_jj M_kk) and J_jk row_size_j; and
+// its terms at the largest acceleration that loads cause. forces: set to sizes of J^T f.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& v = m.v;
   constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
   const auto inertia = [&](int k) { return m.K.values[p.K.p[p.iperm[k] + 1] - 1]; };
-  double error = 0, of_rows = 0, largest_a = 0;  // terms of J's rows; accelerations equivalent to terms
+  double error = 0, of_rows = 0, largest_a = 0;  // of_rows: largest terms of contact rows; largest_a: terms / size
   for (int k = 0; k < p.size(); ++k) {
     const double terms = v.scale[p.iperm[k]];
     if (k >= p.nv) of_rows = std::max(of_rows, terms);
@@ -154,7 +153,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   report.refinement_steps = refinement.steps + (by.kind == FactorKind::kProximal ? 0 : own);
   if (!all_finite(m.v.x))
     return all_finite(m.K.values) && all_finite(m.v.b) ? Reason::kLargeResidual : Reason::kNotFinite;
-  // The dense reference solver's result is the most accurate available.
+  // No limit for the dense reference solver: no other result is more accurate.
   const double most = by.kind == FactorKind::kDense ? std::numeric_limits<double>::max() : tolerance::kConverged;
   m.factor = &factor;
   if (m.rows) m.rows->known = false;
@@ -177,7 +176,7 @@ Reason factorize_and_solve(const Scene& scene, const SceneData& data, FactorScra
   return Reason::kNone;
 }
 
-// Factorizes the system in its order and solves it with refinement. kNone: the solution is sound and the report
+// Factorizes K by this attempt and solves with refinement. Returns kNone if the solution is sound and the report is
 // complete. If an allocation throws, neither K nor a factor is current.
 Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch, const Attempt& by, MatrixSystem& m,
                IslandReport& report) {
@@ -210,7 +209,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
   const bool by_ldl = method == Method::kSparseLdl || method == Method::kSparseBodies;
   if (damping > 0 || !by_ldl) {
     if (!dense && !m.owner.deficient) out.add({FactorKind::kChosen, order, damping});
-    if (method == Method::kDenseSchur) return out;  // the baseline has no fallback
+    if (method == Method::kDenseSchur) return out;  // dense-schur, a baseline for comparisons, has no fallback
     if (damping > 0 && order != Order::kLeafToRoot && has_order(method))
       out.add({FactorKind::kChosen, Order::kLeafToRoot, damping});
     if (damping == 0 && !dense) add_ldl(m, Order::kLeafToRoot, false, out);
@@ -218,7 +217,7 @@ Attempts attempts_of(const Scene& scene, const MatrixSystem& m) {
     add_ldl(m, order, !refused && !m.owner.deficient, out);
     if (order != Order::kLeafToRoot) add_ldl(m, Order::kLeafToRoot, false, out);
   }
-  // The dense solver is last: near a singular configuration no sparse factor may be sound.
+  // Near a singular configuration possibly only the dense reference solver is sound.
   if (dense || m.owner.island.size() <= tolerance::kDenseSize) out.add({FactorKind::kDense, order, damping});
   return out;
 }
@@ -240,7 +239,7 @@ bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch
   }
   report.reason = last;
   if (last != Reason::kSmallPivot || scene.damping == 0 || method == Method::kDenseSchur) return false;
-  // Damping below the rounding errors of K is ignored: the undamped solution is that of a neighbouring problem.
+  // Damping below the rounding errors of K is set to zero: the result solves a neighbouring problem.
   Attempts undamped;
   add_ldl(m, Order::kLeafToRoot, false, undamped);
   if (std::none_of(undamped.list.begin(), undamped.list.begin() + undamped.count,

@@ -5,18 +5,18 @@
 #include "manycontact/sparse/panel_kernels.hpp"
 #include "manycontact/sparse/tolerances.hpp"
 
-// With dependent rows, the least-norm force is in J's range: P f = 0, P = I - J J^+. Differentiated at constant rank, P
-// df = P D dq, with D = d(J(q) y)/dq at constant y = J^+ f.
+// If rows depend, the least-norm force f is in J's range: P f = 0, P = I - J J^+. Its derivative at constant rank is
+// P df = P D dq, with D = d(J(q) y)/dq at constant y = J^+ f.
 //
-// If the contacts have inconsistency rho = J a + a0, least squares require J^T rho = 0, so J^T (J da + dr2) + G dq = 0
-// with G = d(J^T rho)/dq at constant rho, and J da = -dr2 - (J^T)^+ G dq on J's range. (J^T)^+ G dq is y of K^+ [G dq;
-// 0], whose a is zero: G dq is in J^T's range, as J^T rho vanishes everywhere.
+// The least-squares acceleration of inconsistent contacts, with rho = J a + a0, satisfies J^T rho = 0. Differentiated:
+// J^T (J da + dr2) + G dq = 0, G = d(J^T rho)/dq at constant rho; so J da = -dr2 - (J^T)^+ G dq in J's range.
+// J^T rho is zero at all q, so G dq is in the range of J^T, and K^+ [G dq; 0] = [0; (J^T)^+ G dq].
 
 namespace manycontact::internal {
 
 namespace {
 
-// Returns the Jacobian rate of contact c of an island, in the island's coordinates.
+// Returns the JacobianRate of contact c of an island, in the island's velocity coordinates.
 JacobianRate<double> jacobian_rate(const Scene& scene, const Workspace& work, const IslandWork& d, std::size_t c) {
   const int number = d.island.contacts[c];
   const Contact& contact = scene.contacts[number];
@@ -37,7 +37,7 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// Returns y with J y = f, once per solution (any: d(J n) = 0 along J n = 0), refined on K unless the factor is of J.
+// Returns a y with J y = f, computed once per solution. P D is the same for every such y: J n = 0 implies P d(J n) = 0.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;
@@ -60,7 +60,7 @@ const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, Mat
   return w.y;
 }
 
-// Calls use(contact of the island, its part of x). x: one entry per row of the island.
+// Calls use(number of the contact in the island, the contact's part of x). x: one entry per contact row.
 template <class X, class Use>
 void each_contact(const Scene& scene, const Island& island, X& x, Use&& use) {
   for (std::size_t c = 0; c < island.contacts.size(); ++c)
@@ -72,14 +72,14 @@ void take_motion(const Scene& scene, const Island& island, const ConstVector& dq
   each_velocity_block(scene, island, [&](int from, int to, int n) { dofs.segment(to, n) = dq.segment(from, n); });
 }
 
-// Sets rho to S rho, per row of the island, as J^T S rho is differentiated with unweighted rows.
+// Sets rho to S times the inconsistency of the scaled rows S J: J^T S rho is differentiated with the unscaled J.
 void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
   remake(rho, m.owner.island.nc);
   for (int k = 0; k < rho.size(); ++k)
     rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// Overwrites x, one entry per row of the island, with S P S x.
+// Overwrites x, one entry per contact row, with S P S x, where P projects onto the null space of (S J)^T.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());
@@ -92,7 +92,7 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Finds the contacts in J^T's null space and the coordinates on which their J depends. Returns a zero panel of these.
+// Finds the contacts with rows in J^T's null space. Returns a zero panel of coordinates that change their J.
 Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;
@@ -113,7 +113,7 @@ Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, Mat
     });
   }
   const int ld = sparse::padded(static_cast<std::ptrdiff_t>(w.columns.size()));
-  w.panel.reserve(static_cast<std::size_t>(island.size()) * sparse::padded(island.nv));  // rows may vary with rounding
+  w.panel.reserve(static_cast<std::size_t>(island.size()) * sparse::padded(island.nv));  // the largest possible size
   w.panel.assign(static_cast<std::size_t>(island.size()) * ld, 0.0);
   return {w.panel.data(), island.size(), ld};
 }
@@ -144,7 +144,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& m, Isl
 }
 
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, KktVectors& v, IslandDerivatives& out) {
-  auto D = take_columns(scene, data, m);  // rows of dynamics stay zero
+  auto D = take_columns(scene, data, m);  // D has zeros in dynamics rows
   DependentDerivatives& w = *m.rows;
   const Island& island = m.owner.island;
   const Eigen::VectorXd& y = any_motion(scene, data, m, v);
@@ -208,7 +208,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, con
 
 namespace {
 
-// Adds sign D(y)^T x to gradient. x: one entry per row of the island.
+// Adds sign D(y)^T x to gradient, D(y) = d(J y)/dq. x: one entry per contact row.
 void add_transposed(const Scene& scene, const SceneData& data, const MatrixSystem& m, double sign,
                     const Eigen::VectorXd& y, const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   each_contact(scene, m.owner.island, x, [&](std::size_t c, const auto& of_contact) {
@@ -230,9 +230,9 @@ bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& m,
   remake(w.dofs, island.nv);
   remake(w.gradient, island.nv);
   w.gradient.setZero();
-  if (m.contradiction) {  // G^T a = D(a)^T rho, a of K^+ [0; l's rows of the contacts]
+  if (m.contradiction) {  // G^T a = D(a)^T rho, a from K^+ [0; contact rows of v.x]
     for (int k = 0; k < island.size(); ++k)
-      v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]] / unit_of(m, k - island.nv);  // solve_product gave S times that
+      v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]] / unit_of(m, k - island.nv);  // solve_product scaled v.x by S
     believed = solve_vector(m, v);
     for (int k = 0; k < island.nv; ++k) w.dofs[k] = v.x[iperm[k]];
     take_contradiction(m, w.rows);

@@ -25,7 +25,7 @@ bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.i
 
 namespace {
 
-// Returns the product of the change of J in K with x, in K's order; empty if J is unchanged.
+// Returns the product with x of the change that WithinTolerance made to J in K, in K's order; empty without a change.
 std::vector<double> change_of(const MatrixSystem& m) {
   std::vector<double> out;
   m.each_change([&](int row, int column, double value) {
@@ -36,7 +36,7 @@ std::vector<double> change_of(const MatrixSystem& m) {
   return out;
 }
 
-// Reports the residuals of the scene's own equations, with J as it was before rows were made dependent.
+// Reports the residuals with the scene's original J, before WithinTolerance changed it.
 void report_residuals(const Scene& scene, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& s = m.v;
@@ -62,8 +62,8 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
-// Calls solve(), which returns whether there is a solution. If fewer rows are redundant than at the start of a step, it
-// makes rows dependent within the constraint violation and calls solve() again.
+// Returns solve(), which returns whether there is a solution. If fewer rows are redundant than at the start of the
+// motion, it makes rows dependent within the constraint violation and calls solve() again.
 template <class Solve>
 bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
                           Solve&& solve) {
@@ -86,8 +86,8 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether rounding errors of one equation's terms, or the change of J, may change its own unknown by a part of the
-// loads, because its inertia or damping is tiny relative to cancelling terms. This is rare; error bounds then decide.
+// Whether some row's diagonal (inertia or damping) is tiny relative to its cancelling terms, so that rounding errors or
+// the change of J may spoil its unknown. This is rare; error bounds then decide on the status.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and changes
@@ -102,7 +102,7 @@ bool in_doubt(const Scene& scene, const MatrixSystem& m) {
     const double more = changed.empty() ? 0 : std::abs(changed[k]) / kRounding;
     change[row] = std::max(change[row], (m.v.scale[k] + more) / own);
   }
-  const auto doubtful = [&](int row) {  // infinity relative to infinity is doubtful
+  const auto doubtful = [&](int row) {  // also doubtful: infinity relative to infinity
     return !(change[row] <= tolerance::kInDoubt * size[row]) || std::isinf(change[row]);
   };
   return doubtful(0) || doubtful(1);
@@ -127,13 +127,13 @@ bool MatrixSystem::solve(const Scene& scene, SceneData& data, ThreadWork& thread
 
 bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, ThreadWork& thread) {
   if (state != data.workspace->state) return solve_at_state(scene, data, thread, *this, thread.spare_report);
-  if (factor) internal::evaluate_at_state(scene, data, owner);  // sparse-bodies may have overwritten J since
+  if (factor) internal::evaluate_at_state(scene, data, owner);  // restores J, which sparse-bodies may have overwritten
   return factor;
 }
 
 namespace {
 
-// Differentiates by the current factor; returns whether the panel is accurate.
+// Computes the panel of derivatives by the current factor. Returns whether it is accurate.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
@@ -145,7 +145,7 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
-// Overwrites [a; y] of Workspace::products with K^-1 [a; y]; returns whether that is accurate.
+// Overwrites [a; y] of `work` with K^-1 [a; y]. Returns whether the result is accurate.
 bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v, ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
   v.resize(m.K.size());
@@ -188,7 +188,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// Returns answer(); if that is false, tries again with the dense reference solver's factor.
+// Returns answer(). If it returns false, factorizes by the dense reference solver and calls answer() again.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

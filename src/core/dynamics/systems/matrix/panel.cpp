@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Rows (in elimination order) of a robot, and of all that its coordinates affect.
+// Flags the rows, in elimination order, of a robot, of its contacts, and of the robots at their other ends.
 struct Reach {
   const Scene& scene;
   const Island& island;
@@ -45,7 +45,7 @@ void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool r
     m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }
 
-// Solves in chunks of columns, so that each visits only the rows that its robots reach.
+// Solves in chunks of columns; each chunk visits only rows with nonzero right-hand sides and their fill-in.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
@@ -73,15 +73,15 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
-// Whether K's entries grow so much that a factor's solutions must be checked by their own residuals.
+// Whether entries grow so much in the factorization that each solution must be checked by its own residual.
 bool grows_too_much(const Factor& factor) {
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
 
-// Returns |r| relative to |K|_1 |x| + |b|, as refine_panel does per column. Overwrites v.scale.
+// Returns |r| / (|K|_1 |x| + |b|), r = b - K x, as refine_panel does for each column. Overwrites v.scale.
 double normwise_error(const MatrixSystem& m, KktVectors& v) {
   const double norm = sparse::norm_1(m.K.pattern->K, m.K.values.data(), v.scale.data());
-  const bool dependent = m.deficient();  // then r contains the least-squares residual
+  const bool dependent = m.deficient();  // r then contains the least-squares residual, here subtracted
   double r = 0, x = 0, b = 0;
   for (std::size_t k = 0; k < v.x.size(); ++k) {
     r = sparse::larger_or_nan(r, std::abs(dependent ? v.r[k] - v.null_component[k] : v.r[k]));
@@ -96,16 +96,16 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether an unrefined panel is accurate, by the solution's error before refinement or a bound for all columns. Neither
-// is conclusive with redundant rows: projections of large entries lose small ones.
+// Whether a panel is accurate without refinement, judged by the error of the solve before its refinement or by a bound
+// for all columns. With redundant rows neither suffices: rounding errors of large projected entries hide small ones.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   if (m.deficient()) return false;
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// Solves column by column if rows are dependent and entries grow, as norms then hide errors of small entries: each is
-// refined until it stops improving or its rows are as accurate as the solve's. False if one is inaccurate.
+// Solves and refines each column by componentwise errors, for dependent rows and a factor with large growth: norms of
+// a whole panel would hide errors of small entries. Returns false if a column is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());
@@ -119,11 +119,12 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   return true;
 }
 
-// Overwrites a panel X with row stride ld by K^+ X: solve(refined), then refinement as needed. False: inaccurate.
+// Overwrites a panel X, row stride ld, by K^+ X with refinement as needed. solve(refined): solves with or without
+// refinement. Returns whether the result is accurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;
-  // Allocates memory for refinement now: a later state may need it, and must not allocate.
+  // Memory for refinement is allocated at the first call, as later calls must not allocate.
   reserve(work.nonzero, m.owner.island.size());
   reserve(work.B, size);
   reserve(work.R, size);

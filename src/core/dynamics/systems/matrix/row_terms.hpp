@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Calls use(model and kinematics of A's robot, those of B's). For a fixed end, those of the other end are passed.
+/// Calls use(model and kinematics of A's robot, model and kinematics of B's robot); the other end's for a fixed end.
 template <class Use>
 RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;
@@ -26,14 +26,14 @@ inline RowTerms<double> bias_acceleration_terms(const Scene& scene, const Worksp
   });
 }
 
-/// Returns the largest translation and the largest rotation in a matrix of motions.
+/// Returns the largest linear and the largest angular entry of a 6 x n matrix of motions.
 template <class Motions>
 std::pair<double, double> largest_of_motions(const Motions& J) {
   if (J.cols() == 0) return {};
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }
 
-/// Returns the terms of a contact's rows of J: translations, and rotations times the placements' moment arms.
+/// Returns magnitudes of the terms of a contact's rows of J: translations, and rotations times moment arms.
 inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<double>& data) {
   const auto [moved, turning] = largest_of_motions(data.Jl);
   double lever = largest_entry<double>(data.aMA.p) + largest_entry<double>(data.on_A) + data.joint_lever;
@@ -41,7 +41,7 @@ inline RowTerms<double> motion_terms(const Contact& contact, const ContactData<d
   return {std::max(moved, turning * lever), turning, data.pair ? &*data.pair : nullptr};
 }
 
-/// Computes per coordinate the magnitude of all terms of M a + h, and the largest entry of M's row (bounds.cpp).
+/// Computes, per velocity coordinate, magnitudes of the terms of M a + h and of the largest entry in M's row.
 void torque_terms(const Model& model, const RobotData& robot, const double* a, double* terms,
                   double* largest_of_M = nullptr);
 

@@ -1,25 +1,25 @@
-// Makes rows of J dependent that are dependent but for inaccuracy or constraint violation of the scene.
+// Changes J so that rows become exactly dependent that are so up to inaccuracy or constraint violation of the scene.
 //
-// A closed loop drawn with four digits, or with a constraint violation of 1e-6 m, has rows J_k = sum_j z_j J_j + r with
-// a small r where the mechanism has r = 0. Solved unchanged, such rows lock the loop with forces of order 1 / |r|. With
-// the columns n_k = e_k - z of N (rank/dependent_rows.hpp), each column c of J loses its component in N:
+// Example: a redundant row k of a closed loop is J_k = sum_j z_j J_j. If the scene has four digits, or a constraint
+// violation of 1e-6 m, a small remainder r adds to it; solved unchanged, the row locks the loop with forces of order
+// 1 / |r|. N has one column n_k = e_k - z per such row (rank/dependent_rows.hpp). Each column c of J is changed by
 //
-//     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: the rows of N in which column c has entries
+//     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: the rows of N in which column c of J has entries
 //
-// This is the least change within the pattern of J after which N^T J = 0. It is made if no entry of J changes by more
+// This is the least change within the pattern of J after which N^T J = 0. J is changed if no entry changes by more
 // than its error: tolerance t for rows in m at coordinates in rad, t / L for others, L the largest moment arm.
-// Everything uses the changed J; the residual and the bounds include its change.
+// The solve uses the changed J; residuals and error bounds include the change.
 //
-// N is found by an LDL of [D J^T; J 0] with a diagonal D in place of M, since masses are irrelevant: 1 for coordinates
-// in m, L^2 for those in rad. A row unrelated to a dependence then has entries of size r in N, and if a column has only
-// such rows, its whole column is its component in N. Such columns of N are computed again with D_c = |N_c|^2, which
-// minimises the change of J instead of N^T J (iteratively reweighted least squares).
+// N is found by an LDL of [D J^T; J 0]. The diagonal D replaces M, as masses do not affect dependence: 1 for
+// coordinates in m, L^2 for coordinates in rad. A row of J unrelated to the dependence gets entries of size r in N. If
+// a column c of J has only such rows, the formula above would remove all of J_c. Columns of N with such entries are
+// computed again with D_c = |N_c|^2, which minimises the change of J, not N^T J (iteratively reweighted least squares).
 //
-// There are two tolerances:
-//   - the scene's, for any number of rows;
-//   - that of constraint violation, for as many rows as were dependent at the start. The closed loop is nearest at q +
-//     dq, where [D J^T; J 0] [dq; y] = [0; -e] for contact errors e and the kept rows. The joints turn axes and moment
-//     arms of J by |dq_j| in between, so t = 2 L sum_j |dq_j|.
+// The tolerance t is the larger of two:
+//   - Scene::tolerance, for any number of rows;
+//   - the effect of constraint violation, for as many rows as were dependent at the start of the motion. The loop
+//     closes at q + dq with [D J^T; J 0] [dq; y] = [0; -e], e the contact errors. The step dq rotates axes and moment
+//     arms of J by up to sum_j |dq_j|, so t = 2 L sum_j |dq_j|.
 
 #include "within_tolerance.hpp"
 
@@ -39,16 +39,16 @@ namespace manycontact {
 struct WithinTolerance::Work {
   std::vector<char> turns;                                         // whether each coordinate is in rad
   std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // contacts of each coordinate, and its column there
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // each coordinate's contacts and columns of their J
 
   // set by find
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   rank::DependentRows rows;
-  double lever = 1, tolerance = 0;  // the largest moment arm [m]; error of rows of J in m
+  double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // One entry per coordinate: N_c^T J_c, terms of this sum; sums of N_c's entries and squares times errors of J.
+  // One entry per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j e_j| and sum_j (n_j e_j)^2, e_j the error of J_jc / t.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
@@ -94,7 +94,7 @@ void find_null_space(const KktPattern& p, Work& w) {
   rank::find_null_space(p.K, p.ldl, w.K.data(), p.of_M, w.row_scale.data(), w.L.data(), solve, w.rows);
 }
 
-// Factorizes [D J^T; J 0] with the rows in w.rows.dropped damped so much that they have no effect.
+// Factorizes [D J^T; J 0] with so much damping in the rows w.rows.dropped that these rows have no effect.
 bool factorize_without_dropped(const KktPattern& p, Work& w) {
   for (int k : w.rows.dropped) w.K[p.K.p[k + 1] - 1] = -tolerance::kDroppedDamping;
   const bool factorized = sparse::ldl_factor(p.K, p.ldl, w.K.data(), w.ldl, w.L.data(), w.D.data()) == p.size();
@@ -102,7 +102,8 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
   return factorized;
 }
 
-// Drops rows with less than `left` of their pivot, or exchanges them. Returns whether N can be used.
+// Factorizes [D J^T; J 0] without rows whose pivot is below `left` times its terms, and computes N. Drops other rows if
+// entries of N are large. Returns whether N can be used.
 bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;
@@ -110,7 +111,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
   const double margin = left / tolerance::kPivotLeft;
-  w.row_scale.assign(p.size(), 0.0);  // a row is dropped if below sqrt(left) of its possible size
+  w.row_scale.assign(p.size(), 0.0);  // drops rows below sqrt(left) of their possible size
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
@@ -118,7 +119,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
                                  w.D.data(), w.rows) != p.size())
     w.rows.dropped.clear();  // not finite
   if (w.rows.dropped.empty()) return false;
-  w.rows.turned.assign(p.size(), 0);  // a small row may depend on larger ones after it
+  w.rows.turned.assign(p.size(), 0);  // a small row may depend on larger, later rows
   for (int k : w.rows.dropped) w.rows.turned[k] = 1;
   find_null_space(p, w);
   if (w.rows.largest_entry <= tolerance::kLargestEntry) return true;
@@ -127,7 +128,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   return w.rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Returns the error of rows of J due to constraint violation [m].
+// Returns the error t of rows of J in m, due to constraint violation.
 double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   w.x.assign(p.size(), 0.0);
   int row = 0;
@@ -145,12 +146,12 @@ double drift(const Scene& scene, const Workspace& work, const IslandWork& d, con
   return std::max(most, tolerance::kRank * w.lever);
 }
 
-// Returns the error of an entry of J relative to the tolerance.
+// Returns the error of an entry of J, relative to t.
 double error_of_entry(const Work& w, int row, int coordinate) {
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
-// Whether, in every column of J, changes within J's errors can explain the residual J^T n of a column n of N (w.n).
+// Whether changes within the errors of J can make J^T n = 0, n = w.n a column of N.
 bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.explained, &w.weight}) sum->setZero(p.nv);
   for (int row = 0; row < p.nc; ++row) {
@@ -170,7 +171,7 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       .all();
 }
 
-// Subtracts K_kept^-1 times its residual from w.n, with D_c = |N_c|^2.
+// Recomputes column w.n of N with D_c = |N_c|^2: subtracts K^-1 times its residual, K = [D J^T; J 0] of the kept rows.
 bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) {
     const double unit = w.turns[c] ? w.lever * w.lever : 1;
@@ -185,7 +186,7 @@ bool reweigh(const KktPattern& p, Work& w) {
   return true;
 }
 
-// Computes columns of N that change J by no more than its errors, each column by itself. False: there are none.
+// Recomputes each column of N until it needs changes of J within the errors of J only. Returns false if this fails.
 bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   rank::DependentRows& rows = w.rows;
   std::vector<int> Np{0}, Ni;
@@ -210,7 +211,7 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Computes the change of column c of J for N's rows `rows`, with values `N`. Returns whether it is within J's error.
+// Computes the change of column c of J, given the rows `rows` of N. Returns whether the errors of J permit it.
 bool take_change(const Workspace& work, const IslandWork& d, const std::vector<int>& rows, const Eigen::MatrixXd& N,
                  int c, Work& w) {
   std::vector<RowChange> change;
@@ -223,7 +224,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
       }
   if (change.empty()) return true;
   Eigen::VectorXd J_c(in_N.size());
-  double error = 0;  // largest error of the entries
+  double error = 0;  // the largest error of entries of J_c
   for (Eigen::Index i = 0; i < J_c.size(); ++i) {
     J_c[i] = change[i].value;
     error = std::max(error, w.tolerance * error_of_entry(w, change[i].row, c));
@@ -247,7 +248,7 @@ bool take_change(const Workspace& work, const IslandWork& d, const std::vector<i
   return true;
 }
 
-// Computes the change of J for the columns of N in one cluster. Returns whether it is within the errors of J.
+// Computes the change of J for one cluster, i.e. columns of N that share rows. Returns whether J's errors permit it.
 bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& p,
                   const rank::DependentRows::Cluster& cluster, Work& w) {
   std::vector<int> rows;  // rows of J in the cluster
@@ -269,7 +270,7 @@ bool take_changes(const Workspace& work, const IslandWork& d, const KktPattern& 
   return true;
 }
 
-// Finds N and the change of J, with ever smaller pivots to distinguish more rows. False: there is none.
+// Finds N and the change of J. Tries ever smaller thresholds for dropping rows. Returns false if no change is found.
 bool find(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   const double most = tolerance::kMostDrift * w.lever;
   const double largest = d.depended > 0 ? most : std::min(scene.tolerance, most);
@@ -308,7 +309,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // factors of N^T J' v: N, and changes of J and of v on either side
+  constexpr int kFactors = 4;  // error terms of N^T J' v: by N, and by changes of J and of v at bodies A and B
   return kFactors * largest * w.tolerance / w.lever;
 }
 

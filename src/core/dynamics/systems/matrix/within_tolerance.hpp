@@ -1,5 +1,5 @@
 #pragma once
-// Makes rows of J dependent within Scene::tolerance, or that were dependent at the start of a motion.
+// Changes J so that rows become dependent that are nearly so, within Scene::tolerance or constraint violation.
 
 #include <memory>
 #include <span>
@@ -13,7 +13,7 @@ struct Workspace;
 
 /// A change of an entry of the island's J.
 struct RowChange {
-  int row, column;  // numbers in the island
+  int row, column;  // contact row and velocity coordinate of the island
   double value;
 };
 
@@ -21,11 +21,11 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Makes rows dependent that are so within the tolerance, or were so at the start but for constraint violation. Call
-  /// it after evaluate. Returns the rows' largest possible inconsistency relative to their terms.
+  /// Changes J of the evaluated contacts, so that rows become dependent that are so within Scene::tolerance, or were so
+  /// at the start of a motion. Returns the rows' largest possible inconsistency relative to their terms; 0: no change.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   std::span<const RowChange> changes() const;
-  /// Returns the error of J's entries in rows of lengths at a coordinate of the island, after make_dependent.
+  /// Returns the error, used by make_dependent, of J's entries in rows in m and at this velocity coordinate.
   double inaccuracy(int coordinate) const;
 
   struct Work;
@@ -34,7 +34,7 @@ class WithinTolerance {
   std::unique_ptr<Work> work_;
 };
 
-/// Whether rows may be made dependent, so that only the whole K solves. Earlier dependence counts if more rows had it.
+/// Whether make_dependent may change rows of this island; only MatrixSystem can then solve it.
 bool is_inexact(const Scene& scene, const IslandWork& d);
 
 }  // namespace manycontact

@@ -58,7 +58,7 @@ void take_dependence(const Scene& scene, const SceneData& data, const lanes::Ans
   report_dependent_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// Distributes to w.lanes, in batches of `width`, the islands for which group_of(island) returns a group.
+// Fills w.lanes with batches of up to `width` islands. It skips islands for which group_of(island) returns nullptr.
 template <class GroupOf>
 void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_of) {
   InLanes& in = w.lanes;
@@ -86,7 +86,7 @@ void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_o
 using Robots = std::span<lanes::RobotBlocks::Robot>;
 using Numbers = std::span<const int>;
 
-// Prefetches the model data that the kernels of a batch read, if each robot has its own model.
+// Prefetches the numbers of the robots' models for a batch, if the robots do not share one model.
 void prefetch_models(const Scene& scene, Robots robots) {
   constexpr int kLine = 64;
   if (robots.size() < 2 || scene.robots[robots[0].number].model == scene.robots[robots[1].number].model) return;
@@ -98,7 +98,7 @@ void prefetch_models(const Scene& scene, Robots robots) {
     }
 }
 
-// Calls use(group, robots, islands' numbers, thread's workspace) for each batch. of_solve: work relative to a solve.
+// Calls use(group, robots, islands' numbers, workspace) for each batch. of_solve: cost of `use` relative to a solve.
 template <class GroupOf, class Use>
 void each_batch_of(int width, const Scene& scene, Workspace& w, double of_solve, GroupOf&& group_of, Use&& use) {
   InLanes& in = w.lanes;
@@ -119,10 +119,10 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
   if (w.lanes.level) each_batch_of(w.lanes.level->robots.width, scene, w, of_solve, group_of, use);
 }
 
-// Returns the group of SIMD batches that solved an island; nullptr if none did, or if it has no derivatives.
+// Returns the group whose SIMD batch solved the island and may differentiate it; nullptr if there is none.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-// Solves the unsolved single-robot islands accepted by fits(group, island), in batches, by their groups' kernels.
+// Solves in SIMD batches the unsolved single-robot islands for which fits(group, island), by the given kernels.
 template <class Kernel, class Fits>
 void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
                       std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {

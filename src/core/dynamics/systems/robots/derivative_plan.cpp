@@ -31,8 +31,8 @@ namespace internal {
 
 namespace {
 
-// Returns multiply-adds of a panel solved by the island's factor, refined in every second state; with dependent rows
-// always, and projected five times (measured on humanoids on the corners of their soles, reduce_pairs = false).
+// Returns the multiply-adds of a panel of `ld` columns solved by the factor of K, if every second state needs a
+// refinement. kPanelDropping, for dependent rows, was measured on humanoids on the corners of their soles.
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
@@ -40,7 +40,7 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Returns multiply-adds of the panel robot by robot (products measured on rings, and a beam between humanoids).
+// Returns the multiply-adds of a panel robot by robot. Factors were measured on rings and on humanoids with a beam.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {
@@ -74,8 +74,8 @@ void lay_out_columns(const Island& island, const Interface& interface, const Isl
   r.ld = sparse::padded(at);
 }
 
-// Chooses at most sixteen sample columns from the robots' own coordinates, alternating between q, v and u. Each
-// involves the factors of all robots; they are checked one after another.
+// Chooses up to sixteen sample columns of X, each with respect to q, v or u of another robot. The backward error of
+// these columns is computed to test the factors; each column depends on the factors of all robots.
 void choose_sample(RobotsDerivatives& by) {
   by.sample.column.clear();
   for (RobotsDerivatives::OfRobot& r : by.robots) r.sampled.clear();
@@ -146,7 +146,7 @@ void prepare_robots_derivatives(const Scene& scene, IslandWork& d, const IslandD
   if (!d.robots && (!w.lanes.level || !d.joinable)) return;
   if (!d.robots &&
       costs::kPanelsOnceMore * cost_of_interface(least_interface_counts(*d.shape).nonzeros, ld) >= most(false))
-    d.joinable = false;  // independent of the request: both costs grow with its columns
+    d.joinable = false;  // independent of the request, as the costs by K and by robots grow with its columns
   make_robots(scene, w, d);
   if (!d.robots) return;
   if (!d.robots->derivatives) d.robots->derivatives = std::make_unique<RobotsDerivatives>(*d.shape, *d.robots);

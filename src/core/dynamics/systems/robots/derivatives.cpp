@@ -1,5 +1,3 @@
-// Computes derivatives robot by robot.
-
 #include "derivatives.hpp"
 
 #include <algorithm>
@@ -29,7 +27,7 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags the interface rows, in the order of S, that right-hand sides in these columns (columns_of(r)) reach.
+// Flags rows of S with nonzero right-hand sides in columns first ... first+cols-1. columns_of(r): where B_r is nonzero.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -43,7 +41,7 @@ void find_reach(const Interface& interface, const RobotsDerivatives& by, Columns
 const Columns& columns_in_X(const OfRobot& r) { return r.columns; }
 const Columns& columns_in_sample(const OfRobot& r) { return r.sampled; }
 
-// Zeros the interface rows that right-hand sides reach.
+// Zeros the interface rows of X whose right-hand sides may be nonzero.
 void clear_rhs(const Interface& interface, const RobotsDerivatives& by, std::vector<char>& nonzero, AlignedPanel& X) {
   const int ld = static_cast<int>(X.cols());
   for (int first = 0; first < ld; first += RobotsDerivatives::kChunk) {
@@ -60,7 +58,7 @@ lanes::JoinTerms terms_of(const RobotsSystem& system, const RobotsSystem::Coupli
           static_cast<int>(system.owner.shape->support().columns[coupling.number].size())};
 }
 
-// Computes the derivative terms of coupling contacts from the motion of their ends, and their rows of B.
+// Computes each coupling contact's JoinTerms from its bodies' MovingEnds, and the contact's rows of B.
 void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSystem& system, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
@@ -95,16 +93,16 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
       });
 }
 
-// A robot's end of a coupling contact.
+// The end, on one robot, of a contact that couples two robots.
 struct End {
   const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
-  int among;       // number among the robot's joins
+  int among;       // index of the contact in the robot's coupling contacts
   int row;         // first row in G_r
-  bool B;          // whether it is the contact's end B
+  bool B;          // whether this is the contact's end B, not A
   int first, end;  // range of the contact's columns on this robot
 };
-// Calls use(end) for each coupling contact of robot k, in the order of its joins.
+// Calls use(end) for each coupling contact of robot k.
 template <class Use>
 void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   int row = 0, among = 0;
@@ -118,14 +116,14 @@ void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   }
 }
 
-// Index of a column of X in a robot's panel.
+// Returns the index in the robot's panel P of a column of X; -1: not in P.
 int place_in_panel(const OfRobot& r, int column) {
   for (const RobotsDerivatives::Columns& c : r.columns)
     if (c.in_X <= column && column < c.in_X + c.count) return c.in_P + column - c.in_X;
   return -1;
 }
 
-// Completes a robot's panel K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G, H = G_r P.
+// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G, H = G_r P.
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
@@ -140,7 +138,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
     kernels.product(e.terms.W(), e.terms.rows, buffers.E.data(), 6, e.terms.rows, size, ldT, r.T.data() + e.row * ldT);
     for (int c = e.first; c < e.end; ++c)
       std::copy_n(e.terms.J + c * e.terms.rows, e.terms.rows, r.G.data() + (columns[c] - o) * ldG + e.row);
-    if (!out.request.q || !e.B) return;  // a force on A moves with A alone
+    if (!out.request.q || !e.B) return;  // the force on A depends on the motion of A alone
     const int ldD = lanes::JoinTerms::padded(e.terms.cols);
     kernels.product(buffers.E.data(), ldT, e.terms.D_B(), 6, size, e.first, ldD, buffers.ED.data());
     for (int c = 0; c < e.first; ++c) {  // A's coordinates
@@ -151,11 +149,11 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
   kernels.product(r.G.data(), ldG, r.P.data(), r.nv, ldG, r.ld, r.ld, r.H.data());
 }
 
-// Adds E_r D_r to the sampled columns of B_r, which contain the robot's own part.
+// Adds E_r D_r to the sampled columns of B_r, which so far are derivatives of robot r's own terms.
 void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out) {
   OfRobot& r = system.derivatives->robots[k];
   if (!out.request.q) return;
-  std::size_t next = 6;  // J_l of an end follows the force
+  std::size_t next = 6;  // J_l of an end follows its force (6 numbers)
   each_end(system, k, [&](const End& e) {
     const std::vector<int>& columns = system.owner.shape->support().columns[e.coupling.number];
     const Eigen::Map<const Mat6X<double>> E(r.ends.data() + next, 6, e.end - e.first);
@@ -172,7 +170,7 @@ void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDeriva
   });
 }
 
-// Sets -S Y = B_interface - sum_r G_r K_r^-1 B_r in the interface rows, which contain B_interface.
+// Subtracts sum_r G_r K_r^-1 B_r from the interface rows of B, in X; the result is -S Y.
 void interface_rhs(const RobotsDerivatives& by, AlignedPanel& X) {
   for (const OfRobot& r : by.robots)
     for (std::size_t i = 0; i < r.join.size(); ++i) {
@@ -183,7 +181,7 @@ void interface_rhs(const RobotsDerivatives& by, AlignedPanel& X) {
     }
 }
 
-// Adds K_r^-1 B_r to columns first ... first+cols-1 of a robot's rows of [da; df].
+// Adds K_r^-1 B_r to columns first ... first+cols-1 of [da; df], in the robot's rows.
 void add_own(const OfRobot& r, const Columns& columns, int first, int cols, double* X, std::ptrdiff_t ld) {
   for (const RobotsDerivatives::Columns& c : columns) {
     const int begin = std::max(c.in_X, first), end = std::min(c.in_X + c.count, first + cols);
@@ -195,8 +193,8 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Completes columns of [da; df] after interface_rhs: -Y in interface rows, K_r^-1 B_r (in columns_of(r)) - T_r Y in
-// others.
+// Computes columns of [da; df] after interface_rhs: -Y in interface rows, K_r^-1 B_r - T_r Y in the rows of robot r.
+// columns_of(r): the columns in which B_r is nonzero.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {
@@ -224,7 +222,7 @@ void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member)
     if (r.sampled[j].in_X == s) member.b = r.B.data() + j * r.size();
 }
 
-// Whether every sample column's componentwise backward error in K is at most half the limit for derivatives.
+// Whether every sampled column solves K X = B with a componentwise backward error up to half the limit of derivatives.
 bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, const AlignedPanel& X) {
   RobotsDerivatives& by = *system.derivatives;
   RobotsDerivatives::Sample& sample = by.sample;
@@ -242,7 +240,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
       kernel.check(robots, memory);
       for (Member& member : robots) {
         OfRobot& r = by.robots[system.order[&member - system.members.data()]];
-        std::copy_n(member.border.r(), 2 * r.join.size(), r.left.data() + 2 * s * r.join.size());  // and scale
+        std::copy_n(member.border.r(), 2 * r.join.size(), r.left.data() + 2 * s * r.join.size());  // residual and scale
         r.error = s == 0 ? member.error : sparse::larger_or_nan(r.error, member.error);
       }
     }
@@ -263,7 +261,7 @@ bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, cons
   return error <= tolerance::kPanelRefined;
 }
 
-// Computes the input of `answer` from right-hand sides in X; returns whether it is sound.
+// Computes all robots' panels and, in X, -S Y for `answer`. Returns whether the sampled columns are accurate.
 bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, bool refined, IslandDerivatives& out) {
   Workspace& w = *data.workspace;
   RobotsDerivatives& by = *system.derivatives;
@@ -302,7 +300,7 @@ bool solve_robots(const Scene& scene, SceneData& data, RobotsSystem& system, boo
   return sample_is_good(scene, w, system, out.X);
 }
 
-// Computes the factors at the current state if another system solved.
+// Computes the robots' factors at the current state if another system solved the island.
 bool make_current(const Scene& scene, SceneData& data, RobotsSystem& system) {
   if (system.state == data.workspace->state) return true;
   system.first_error = system.owner.matrix.first_error;

@@ -1,15 +1,15 @@
 #pragma once
-// Derivatives of an island robot by robot, by the factors that solved it; interface.hpp defines the matrices. With T_r
-// = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
+// Computes derivatives of an island robot by robot with the factors of its solve; interface.hpp defines K_r and G_r.
+// With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
-// The panel contains forces -X, so -Y is in its interface rows, where products read it. Most robots' rows of a column
-// of B are zero: X_r = -T_r Y is then a product with few rows, instead of a solve with the island's factor.
+// The panel of derivatives contains forces f = -X, so its interface rows contain -Y. A column of B is zero in the rows
+// of most robots: X_r = -T_r Y is then a product with few rows, instead of a solve with the factor of K.
 //
-// A contact that couples A and B acts only on their bodies, by E_r: six columns of forces on robot r's body. So G_r^T =
-// E_r W^T and B_r = own columns + E_r D_r, where D_r (six rows) also has columns of the other robot's coordinates. SIMD
-// batches solve only K_r^-1 [E_r, columns of the robot's own coordinates].
+// A contact that couples two robots acts on robot r by E_r: six columns of forces on one of its bodies. So G_r^T =
+// E_r W^T, W the contact's force basis. B_r is the sum of E_r D_r (D_r: change of this force with q of both robots) and
+// own columns, with respect to q, v, u of robot r. SIMD batches solve only K_r^-1 [E_r, own columns].
 
 #include <optional>
 
@@ -24,51 +24,51 @@ struct RobotsDerivatives {
 
   explicit RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system);
 
-  struct Columns {  // A block of columns of X, and its place in a robot's panel.
+  struct Columns {  // a block of adjacent columns: its first column in X and in a robot's panel P
     int in_X, in_P, count;
   };
   struct OfRobot {
     int nv = 0;
-    std::vector<int> row, join;  // one entry per row of K_r and of G_r: the island's row; constant
-    std::vector<double> ends;    // ends of its coupling contacts: MovingEnd, then EndForce
+    std::vector<int> row, join;  // the island's row of each row of K_r and of G_r; constant
+    std::vector<double> ends;    // one MovingEnd per coupling contact, later EndForce in its place (lanes/block.hpp)
     // set for the request
-    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // columns of the panel, as in lanes::DerivativeJob
+    int q_first = 0, v_first = 0, u_first = 0, own = 0;  // first columns in P for q, v, u; number of own columns
     std::vector<Columns> columns;                        // columns where B_r is not zero
-    std::vector<Columns> sampled;                        // columns of the sample, in its panel
-    std::vector<lanes::Sampled> copied;                  // sampled columns that SIMD batches copy
+    std::vector<Columns> sampled;                        // sampled columns where B_r is not zero; in_X: in Sample::X
+    std::vector<lanes::Sampled> copied;                  // right-hand sides of the sample that SIMD batches write to B
     int ld = 0;                                          // leading dimension of P and H
     AlignedPanel P;                                      // K_r^-1 [E_r, B_r], with forces f, not -f
-    std::vector<double> G;                               // G_r^T, nv x padded
-    std::vector<double> H;                               // G_r P
-    std::vector<double> T;     // T_r^T in rows of accelerations, -T_r^T in rows of forces; by rows of G_r, padded
+    std::vector<double> G;                               // G_r^T, nv x padded()
+    std::vector<double> H;                               // G_r P, padded() x ld
+    std::vector<double> T;     // T_r^T, one padded row per row of G_r; entries of force rows of T_r have opposite sign
     std::vector<double> B;     // sampled columns of B_r, one after the other
-    std::vector<double> x;     // one column of the solution, and zeros behind it
-    std::vector<double> left;  // interface rows per column: the robot's part of the residual, and of its scale
-    double error = 0;          // largest backward error of these columns in the robot's rows
+    std::vector<double> x;     // scratch: one column of X_r, and as many zeros
+    std::vector<double> left;  // -G_r x and |G_r| |x| of each sampled column
+    double error = 0;          // largest backward error of the sampled columns in the rows of K_r
 
     int size() const { return static_cast<int>(row.size()); }
     int padded() const { return sparse::padded(static_cast<std::ptrdiff_t>(join.size())); }
   };
   std::vector<OfRobot> robots;
 
-  std::optional<DerivativeRequest> request;  // the request that the layout is for
-  bool cheaper[2] = {};  // whether cheaper than the island's factor: [0] without dropped rows, [1] with
+  std::optional<DerivativeRequest> request;  // the request for which the members are allocated
+  bool cheaper[2] = {};  // whether cheaper than derivatives by K: [0] of full row rank, [1] with dependent rows
   bool has_room = false;
 
   std::vector<double> terms;    // lanes::JoinTerms of the coupling contacts
   std::vector<std::size_t> at;  // one entry per coupling contact: its offset in `terms`
   std::vector<int> eliminated;  // one entry per interface row, in the order of S: the island's row
   std::vector<double> D;        // D of the factor of S
-  struct Sample {               // a column per robot, checked with the island's K
-    std::vector<int> column;    // columns of X
-    AlignedPanel X;
+  struct Sample {               // columns of the panel whose backward error is computed
+    std::vector<int> column;    // numbers of the sampled columns in the island's panel
+    AlignedPanel X;             // the solutions, one column per entry of `column`
     std::vector<double> b;    // right-hand sides of the interface rows, column after column
-    double robots_error = 0;  // largest error in the robots' rows, the only ones that refinement improves
+    double robots_error = 0;  // largest backward error outside the interface rows; refinement improves only these
   } sample;
   struct Buffers {              // memory of a thread
     std::vector<double> work;   // scratch of a solve with S
     std::vector<char> nonzero;  // one flag per row of S
-    std::vector<double> E, ED;  // columns E of a panel, stored as rows; K_r^-1 E D
+    std::vector<double> E, ED;  // K_r^-1 E_r of a contact, transposed; K_r^-1 E_r D_r
   };
   std::vector<Buffers> buffers;
 };
@@ -77,10 +77,8 @@ struct RobotsDerivatives {
 
 namespace manycontact::internal {
 
-// Iteration over the batches of an island's robots.
-
-/// Calls step(kernel, robots, their memory, thread's memory) for each batch. A thread always has the same batches, in
-/// alternating direction, as the last ones are still cached. of_solve: work of all steps together relative to a solve.
+/// Calls step(kernel, robots, their memory, thread's memory) for each SIMD batch. Each call reverses the order, as the
+/// last batches are still in cache; a thread always has the same batches. of_solve: total work relative to a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

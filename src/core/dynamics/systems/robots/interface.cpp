@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// Assigns each contact to its robot, or to the two that it couples.
+// Lists each contact with its robot, or with the two robots that the contact couples.
 void share_out(const Scene& scene, const Island& island, Interface& j) {
   std::vector<int> first(island.contacts.size());  // interface row of a contact
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -74,7 +74,7 @@ void analyze_interface(const IslandShape& shape, Interface& interface) {
 sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
   const auto pairs = [](double rows) { return rows * (rows - 1) / 2; };
   std::vector<double> of_robot(shape.island().robots.size(), 0.0);
-  std::map<std::pair<int, int>, double> of_two;  // rows between two robots, whose pairs both robots count
+  std::map<std::pair<int, int>, double> of_two;  // rows between two robots, counted for both in of_robot
   for (const Contact& contact : shape.scene().contacts) {
     if (!joins_two(contact)) continue;
     const auto [a, b] = std::minmax(contact.A.robot, contact.B.robot);
@@ -84,7 +84,7 @@ sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
   double most = 0;
   for (double rows : of_robot) least.nonzeros += pairs(rows), most = std::max(most, rows);
   for (const auto& [robots, rows] : of_two) least.nonzeros -= pairs(rows);
-  for (double below = most - 1; below > 0; --below) least.flops += below * (below + 2);  // the fullest robot's, dense
+  for (double below = most - 1; below > 0; --below) least.flops += below * (below + 2);  // the densest robot
   return least;
 }
 

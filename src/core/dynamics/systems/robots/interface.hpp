@@ -1,13 +1,14 @@
 #pragma once
-// An island as robots and interface rows, i.e. the rows of contacts that couple two robots. With these rows last, K is
+// Splits an island into robots and interface rows, the rows of contacts that couple two robots. With interface rows
+// last, K is
 //
 //     [ K_1             G_1^T    ]
 //     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
 //     [           K_n   G_n^T    ]    G_r: the interface rows' entries at its velocities,
 //     [ G_1  ...  G_n   -delta I ]
 //
-// and eliminating the robots leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I in the interface rows. These are few, and
-// two of them are coupled only if both act on a common robot.
+// and eliminating the robots leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I. Two interface rows share an entry of S
+// only if both act on a common robot.
 
 #include <vector>
 
@@ -16,28 +17,28 @@
 
 namespace manycontact {
 
-/// Interface rows of islands of one shape; constant.
+/// Constant data of the interface rows, for islands of one shape.
 struct Interface {
   explicit Interface(const IslandShape& shape);
 
   struct OfRobot {
     std::vector<int> contacts;        // contacts of the island on this robot alone
-    std::vector<int> joins;           // contacts that couple it to another
+    std::vector<int> joins;           // contacts of the island that couple this robot to another
     std::vector<int> neighbours;      // robots of the island at the other ends of `joins`
     std::vector<int> interface_rows;  // one entry per row of G_r: the interface row
-    std::vector<int> slot;            // slots in S of the upper triangle of G_r K_r^-1 G_r^T, by columns
+    std::vector<int> slot;            // where the upper triangle of G_r K_r^-1 G_r^T, by columns, is added in S
   };
   std::vector<OfRobot> robots;
   std::vector<int> row;          // one entry per interface row: the island's row
-  std::vector<int> perm, place;  // perm[k]: interface row eliminated k-th from S; place its inverse
-  sparse::UpperCsc S;            // pattern of S, in that order
-  double flops = 0;              // multiply-adds of its factor
+  std::vector<int> perm, place;  // perm[k]: the interface row eliminated k-th from S; place: the inverse of perm
+  sparse::UpperCsc S;            // pattern of S, in elimination order
+  double flops = 0;              // multiply-adds of the factorization of S
   sparse::LdlSchedule schedule;
 
   int rows() const { return static_cast<int>(row.size()); }
 };
 
-/// Returns lower bounds of the counts of S's factor in any order, without S: all rows of a robot are coupled.
+/// Returns lower bounds, for any order, of entries and flops of S's factor. S has a full block for each robot's rows.
 sparse::LdlCounts least_interface_counts(const IslandShape& shape);
 
 inline bool joins_two(const Contact& contact) { return joins_robots(contact) && contact.A.robot != contact.B.robot; }

@@ -17,7 +17,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// A robot of a shape's scene, contacts on it alone, contacts that couple it, and the pattern of its K without these.
+// A robot, contacts on the robot alone, contacts `joins` that couple it to another robot, and `inner`, K_r's pattern.
 struct Block {
   const Scene& scene;
   int robot;
@@ -63,7 +63,7 @@ double cost_ldl(int rows, double nonzeros, double flops) {
 }
 double cost_ldl(const sparse::LdlSymbolic& L) { return cost_ldl(L.n, L.nonzeros(), L.flops); }
 
-// Finds the group by all that plans depend on: structure, joint friction, contacts' types and joints, order.
+// Returns the group with the block's structure, joint friction, types and joints of contacts, and elimination order.
 BlockGroup& group_of(Workspace& w, const Block& block, Order order) {
   const Scene& scene = block.scene;
   const Model& model = *scene.robots[block.robot].model;
@@ -93,13 +93,13 @@ void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
     for (auto& kernel : kernels) kernel.make(count, *w.lanes.level, of_level);
   };
   make(group.kernels, [&](const lanes::Level& level) { return level.make(group.plan); });
-  // The inconsistency of a pair is judged relative to rounding errors of doubles.
+  // No single precision with pairs: the test for their inconsistency assumes rounding errors of doubles.
   const auto is_pair = [](const Contact& c) { return c.pair != nullptr; };
   if (w.options.precision == Precision::kSingle && std::ranges::none_of(group.plan->scene.contacts, is_pair))
     make(group.single, [&](const lanes::Level& level) { return level.single.make(group.plan); });
 }
 
-// Returns the group of a single-robot island; nullptr if it is too large or otherwise unfit for SIMD batches.
+// Returns the group of a single-robot island; nullptr if SIMD batches cannot solve the island, e.g. as it is too large.
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
@@ -113,7 +113,7 @@ bool can_be_joined(const IslandWork& d, const Options& options) {
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
 
-// Whether a contact precedes another in its group: identical ones are adjacent, in any order of the scene.
+// Whether contact x precedes y in a group. The order makes contacts adjacent that can share a SIMD batch.
 bool before(const Contact& x, const Contact& y) {
   const auto numbers = [](const Contact& c) {
     return std::array<double, 6>{
@@ -163,12 +163,12 @@ double seconds_joined(const RobotsSystem& system, int width) {
   return seconds;
 }
 
-// Returns the predicted cost of the island's own factor, which that of its robots must be clearly below.
+// Returns the predicted cost of factorizing the island's whole K.
 double cost_of_choice(const IslandWork& d) {
   return predicted_cost_ldl(d.shape->island().size(), d.shape->counts(d.choice.order));
 }
 
-// Whether solving robot by robot may be cheaper, judged without the patterns of interface rows.
+// Whether solving robot by robot may be cheaper than factorizing K; a quick test without the pattern of S.
 bool may_be_cheaper(const IslandWork& d) {
   int rows = 0;
   for (const Contact& contact : d.shape->scene().contacts)
@@ -177,7 +177,7 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
-// Returns a robot of the shape's scene as an island, with the contacts on it alone.
+// Returns an island of one robot of the shape's scene and of the contacts on this robot alone.
 Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
   Island out;
   out.robots = {shape.island().robots[robot]};
@@ -217,9 +217,9 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   return out;
 }
 
-// Uses the chosen order, but each robot leaf-to-root if contacts-early costs hardly less: entries then grow less, so
-// that derivatives robot by robot are accurate, which take a quarter of the time of the whole K's. They are not cheaper
-// for hubs, i.e. robots coupled by more rows than they have coordinates.
+// Uses the chosen order, or leaf-to-root for each robot if contacts-early costs hardly less. With leaf-to-root, entries
+// of factors grow less, so derivatives robot by robot are accurate; they take a quarter of the time of those by K. For
+// hubs, i.e. robots coupled by more rows than they have coordinates, derivatives robot by robot are not cheaper.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;

@@ -1,5 +1,3 @@
-// Solves islands of several robots in SIMD batches.
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -24,7 +22,7 @@ using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
-// Forms batches of robots of one group, each up to a full SIMD batch.
+// Splits the robots of each group into SIMD batches.
 void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
   s.batches.clear();
   std::size_t size = 0;
@@ -74,7 +72,7 @@ void form_contact_batches(const Scene& scene, const Workspace& w, RobotsSystem& 
   }
 }
 
-// Calls use(a robot's border, its row, the interface row) for each row of G_1, ..., G_n.
+// Calls use(robot's border, row in G_r, interface row) for each row of each robot's G_r.
 template <class Use>
 void each_border_row(const RobotsSystem& s, Use&& use) {
   for (std::size_t k = 0; k < s.robots.size(); ++k) {
@@ -87,7 +85,7 @@ bool all_sound(const RobotsSystem& s) {
   return std::all_of(s.members.begin(), s.members.end(), [](const Member& r) { return r.sound; });
 }
 
-// Evaluates J and a0 of coupling contacts; b temporarily contains a0.
+// Evaluates J and a0 of contacts that couple two robots; stores a0 in s.b until interface_right_side.
 void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
   const auto join = [&](int robot, int among) {
     const auto& r = s.robots[robot];
@@ -111,7 +109,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
       });
 }
 
-// Whether no interface row of J is only rounding error relative to the contacts' motions; pivots do not reveal this.
+// Whether every interface row of J exceeds its rounding errors. Pivots do not show a row of mere rounding errors.
 bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
   for (const Member& m : s.members) motion = std::max(motion, m.motion);
@@ -122,7 +120,7 @@ bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
-// Sets b = wanted - a0 in the interface rows, which contain a0.
+// Replaces a0, in s.b, by prescribed acceleration - a0.
 void interface_right_side(const SceneData& data, RobotsSystem& s) {
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
@@ -138,7 +136,7 @@ bool sound_interface_pivots(const RobotsSystem& s) {
   return true;
 }
 
-// Assembles -S = -sum_r G_r K_r^-1 G_r^T - delta I and factorizes it; false if its pivots are not sound.
+// Assembles and factorizes -S = -sum_r G_r K_r^-1 G_r^T - delta I. Returns false if pivots of -S are not sound.
 bool factor_interface(double damping, RobotsSystem& s) {
   const Interface& interface = *s.interface;
   std::fill(s.Sx.begin(), s.Sx.end(), 0.0);
@@ -150,13 +148,13 @@ bool factor_interface(double damping, RobotsSystem& s) {
   sparse::panel_kernels().factor(interface.schedule, s.Sx.data(), nullptr, 0, s.L.data(), s.D.data(), s.terms.data());
   for (int k = 0; k < interface.rows(); ++k) s.terms[k] -= std::abs(s.Sx[interface.S.p[k + 1] - 1]);
   each_border_row(s, [&](const lanes::Border& border, std::size_t i, int row) {
-    s.terms[interface.place[row]] += border.terms()[i];  // replaces the sum by the robots' terms
+    s.terms[interface.place[row]] += border.terms()[i];  // replaces |S_kk| by the magnitudes it was summed from
   });
   for (double& terms : s.terms) terms += damping;
   return sound_interface_pivots(s);
 }
 
-// Adds the interface rows of K^-1 r to y, and passes each robot its part of the increment.
+// Adds to y the interface rows of K^-1 r, r the residual of all rows. Copies this step to the borders of the robots.
 void solve_interface(RobotsSystem& s) {
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
@@ -168,7 +166,7 @@ void solve_interface(RobotsSystem& s) {
       s, [&](const lanes::Border& border, std::size_t i, int row) { border.y()[i] = s.step[interface.place[row]]; });
 }
 
-// Computes r = b - sum_r G_r x_r + delta y, and the sizes of its terms.
+// Computes the interface rows' residual r = b - sum_r G_r x_r + delta y, and sums of magnitudes of its terms.
 void interface_residual(double damping, RobotsSystem& s) {
   for (std::size_t k = 0; k < s.b.size(); ++k) {
     s.r[k] = s.b[k] + damping * s.y[k];
@@ -193,15 +191,15 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// Returns the componentwise backward error of the interface rows, relative to the largest row of the island.
+// Returns the componentwise backward error of the interface rows. Tiny rows are judged by the island's largest row.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A robot's rows are relative to its
-// own largest row; interface rows to the island's, as at rest all their terms are rounding errors.
+// Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A tiny row of a robot is judged by
+// the robot's largest row. A tiny interface row is judged by the island's: at rest its terms are only rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
@@ -221,7 +219,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Returns the dependent rows of the island.
+// Returns the dependent rows of J, numbered in the island.
 std::span<const int> dependent_rows(RobotsSystem& s) {
   IslandWork& d = s.owner;
   d.matrix.dependent.clear();
@@ -237,7 +235,7 @@ std::span<const int> dependent_rows(RobotsSystem& s) {
   return d.matrix.dependent;
 }
 
-// Reports the dependent rows and their inconsistency. False: the dense reference solver must decide.
+// Reports the dependent rows and their inconsistency. Returns false if only the dense reference solver can judge them.
 bool report_dependence(const Scene& scene, const SceneData& data, RobotsSystem& s, IslandReport& report) {
   rank::Contradiction<double> all;
   for (const Member& m : s.members) all.add(m.contradiction);
@@ -257,7 +255,7 @@ void store_answer(const lanes::Job& job, Workspace& w, RobotsSystem& s) {
     for (int i = 0; i < coupling.rows; ++i) job.f[job.f_offset[coupling.contact] + i] = -s.y[coupling.row + i];
 }
 
-// Whether rounding errors of damped rows are small, as RobotBlock::plainly_damped.
+// Whether rounding errors of damped contact rows are small relative to delta |f|, as in RobotBlock::plainly_damped.
 bool plainly_damped(const Scene& scene, const SceneData& data, const RobotsSystem& s) {
   if (scene.damping == 0) return true;
   double force = 0;
@@ -387,7 +385,7 @@ bool RobotsSystem::solve(const Scene& scene, SceneData& data, ThreadWork&, Islan
 }
 
 bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const TangentProduct& p) {
-  if (owner.deficient) return false;  // the whole K adds terms of least-norm forces
+  if (owner.deficient) return false;  // only MatrixSystem adds the terms of least-norm forces
   internal::place_at_state(scene, data, owner.island);
   internal::tangent_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });
@@ -395,7 +393,7 @@ bool RobotsSystem::jvp(const Scene& scene, SceneData& data, ThreadWork&, const T
 }
 
 bool RobotsSystem::vjp(const Scene& scene, SceneData& data, ThreadWork&, const AdjointProduct& p) {
-  if (owner.deficient) return false;  // only products by the whole K have terms of least-norm forces
+  if (owner.deficient) return false;  // only MatrixSystem adds the terms of least-norm forces
   internal::place_at_state(scene, data, owner.island);
   internal::adjoint_product(scene, data, owner.island, p,
                             [&](ProductWork& work) { internal::solve_once_refined(scene, data, *this, work); });

@@ -1,11 +1,11 @@
 #pragma once
-// Islands solved by sparse-ldl robot by robot in SIMD batches. In interface.hpp's notation, with b = [b_1; ...; b_n;
-// c]:
+// Solves islands by sparse-ldl robot by robot in SIMD batches. K x = b has the blocks K_r, G_r of interface.hpp, b_r of
+// robot r, and c of the interface rows, i.e. rows of contacts between two robots; -y is their part of x:
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
-// One pass over the SIMD batches computes terms, K_r, factors with the rows of G_r, and parts of S; another one solves
-// backward. The solution is refined and checked with the island's K. A single-robot island has no y.
+// A first pass over the SIMD batches computes K_r, its factor and its part of the Schur complement S; a second pass
+// computes x_r. The solution is refined and checked with the island's K. A single-robot island has no y.
 
 #include <map>
 
@@ -22,16 +22,16 @@ struct SceneData;
 struct Workspace;
 struct IslandReport;
 
-/// Robots of one plan. Groups without robots are kept for later contact sets.
+/// The robots that share one BlockPlan. A group without robots is kept for later contact sets.
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
   std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // used for single-robot islands, if options request it
   std::vector<int> islands;                                    // scratch of a call: islands to solve with this plan
-  double seconds = 0;                                          // predicted for one robot alone
+  double seconds = 0;                                          // predicted time of a solve of one robot [s]
 };
 
-/// Contacts that couple two robots, identical except for placements and gains.
+/// Contacts that couple two robots and share one kernel: they differ only in placements and gains.
 struct InterfaceContactGroup {
   struct Key {  // properties on which the kernels depend
     const ModelStructure *A, *B;
@@ -44,25 +44,25 @@ struct InterfaceContactGroup {
 
 /// SIMD batches of robots, set up by prepare.
 struct InLanes {
-  const simd::Level* level = nullptr;                                               // nullptr: no batches
-  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: structure, contacts, ...
+  const simd::Level* level = nullptr;  // instruction level; nullptr: no SIMD batches
+  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: group_of in plan.cpp
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
-  // scratch of a call: the islands that it processes, batch after batch
+  // scratch of solve_alone and differentiate_alone: the islands and robots of the call, batch after batch
   struct Batch {
     BlockGroup* group;
-    int first, count;  // range of islands and robots
+    int first, count;  // range in `islands` and `robots`
   };
   std::vector<int> islands;
   std::vector<lanes::RobotBlocks::Robot> robots;
   std::vector<Batch> batches;
 };
 
-/// The group of a single-robot island: one call solves all such islands in batches (functions of `alone.cpp` below).
+/// The SIMD batches of a single-robot island. solve_alone (alone.cpp) solves all single-robot islands in one call.
 struct BatchPlace {
-  BlockGroup* group = nullptr;  // nullptr: not in a SIMD batch; set by prepare
-  // set by the last solution from a SIMD batch
+  BlockGroup* group = nullptr;  // set by prepare; nullptr: no SIMD batch can solve the island
+  // set when a SIMD batch has solved the island
   bool panel_is_safe = false;  // whether the batch may compute derivatives too
-  bool refine_panel = false;   // whether these are refined once
+  bool refine_panel = false;   // whether the batch refines the derivatives once
 };
 
 /// Solves an island of several robots.
@@ -71,28 +71,28 @@ class RobotsSystem final : public IslandSystem {
   explicit RobotsSystem(IslandWork& island);
   ~RobotsSystem() override;
 
-  /// Redundant rows are supported only on contacts with single robots.
+  /// Returns false, among other cases, if rows of contacts between two robots are redundant.
   bool solve(const Scene&, SceneData&, ThreadWork&, IslandReport&) override;
   bool differentiate(const Scene&, SceneData&, ThreadWork&, IslandDerivatives&) override;
   bool jvp(const Scene&, SceneData&, ThreadWork&, const TangentProduct&) override;
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// Computes the factors and the right-hand side at the current state. False: they are not sound.
+  /// Computes all K_r, the factors of K_r and S, and b, at the current state. Returns false if a pivot is not sound.
   bool factorize(const Scene& scene, SceneData& data);
-  /// Whether any robot has dependent rows in these factors.
+  /// Whether `factorize` found dependent rows in any robot's K_r.
   bool rows_depend() const;
-  /// Returns the growth of K's entries in these factors (Factor::growth).
+  /// Returns the growth of K's entries in the factors of all K_r and S (Factor::growth).
   double growth() const;
 
   IslandWork& owner;
   using Robot = lanes::RobotBlocks::Robot;
-  struct Batch {  // robots of a SIMD batch: range of `order`
+  struct Batch {  // a SIMD batch of robots: a range of `order`
     BlockGroup* group;
     int first, count;
-    std::size_t at;  // offset in `memory`
+    std::size_t at;  // offset of the batch's numbers in `memory`
   };
-  struct ContactBatch {  // couplings of a SIMD batch: range of `contacts`
+  struct ContactBatch {  // a SIMD batch of coupling contacts: a range of `contacts`
     InterfaceContactGroup* group;
     int first, count;
   };
@@ -100,26 +100,26 @@ class RobotsSystem final : public IslandSystem {
     InterfaceContactGroup* group;
     int contact;           // number in the scene
     int number;            // number in the island
-    int row, rows;         // first interface row and number of rows
-    int A, B;              // robots of the island
-    int among_A, among_B;  // index among the joins of A and B
-    double smallest_row, motion;
+    int row, rows;         // the contact's first interface row, and its number of rows
+    int A, B;              // the coupled robots' numbers in the island
+    int among_A, among_B;  // the contact's index in the coupling contacts of robots A and B
+    double smallest_row, motion;  // results of lanes::InterfaceContacts::evaluate
   };
   struct OfRobot {
     BlockGroup* group;
-    std::vector<int> contacts = {};   // contacts on it alone, as numbered in the scene
-    int member = 0;                   // index in `members`
-    std::vector<int> couplings = {};  // indices in `contacts`, in the order of its joins
+    std::vector<int> contacts = {};   // contacts on this robot alone, as numbered in the scene
+    int member = 0;                   // index in RobotsSystem::members
+    std::vector<int> couplings = {};  // indices in RobotsSystem::contacts of contacts that couple this robot
   };
 
   std::shared_ptr<const Interface> interface;
-  bool solves = false;                // whether it is tried first: predicted to be cheaper than the island's factor
-  bool refused = false;               // whether pivots of the last solve were not sound
-  double seconds = 0;                 // predicted for a solve
+  bool solves = false;                // whether this system solves first: predicted to be cheaper than factorizing K
+  bool refused = false;               // whether the last solve had unsound pivots
+  double seconds = 0;                 // predicted time of a solve [s]
   Order within = Order::kLeafToRoot;  // elimination order of each robot
   std::vector<int> order;             // robots of the island, group by group
   std::vector<OfRobot> robots;
-  bool contradiction = false;  // the last solution was inconsistent; only the whole K differentiates it
+  bool contradiction = false;  // whether contacts were inconsistent in the last solve; MatrixSystem differentiates then
   // set by prepare, for the current island
   std::vector<Coupling> contacts;  // sorted by group, identical ones adjacent
   std::vector<Robot> members;      // robots in the order of `order`; filled by solve
@@ -128,11 +128,11 @@ class RobotsSystem final : public IslandSystem {
   // set by factorize
   std::vector<Batch> batches;
   std::vector<ContactBatch> contact_batches;
-  std::uint64_t state = 0;                         // the state of these members; 0: not sound
+  std::uint64_t state = 0;                         // state of the batches and their factors; 0: not sound
   double first_error = 0;                          // backward error of the solution before refinement
-  bool back = false;                               // direction of the last iteration over the batches
+  bool back = false;                               // whether the last each_batch visited the batches from last to first
   sparse::LargeMemory memory;                      // numbers of the batches and their robots
-  std::vector<double> Sx, L, D, terms;             // -S and its factor, in its order
+  std::vector<double> Sx, L, D, terms;             // -S, its factor, magnitudes of pivot terms; in elimination order
   std::vector<double> b, y, r, scale, step;        // vectors of the interface rows
   std::unique_ptr<RobotsDerivatives> derivatives;  // constructed when first needed
 };
@@ -142,44 +142,44 @@ namespace internal {
 /// The predicted cost of a SIMD batch of `count` robots, relative to one robot.
 inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
-/// Plans SIMD batches for an island of a new shape if they are cheaper than its factor: alone.group, robots.
+/// Sets alone.group or robots of an island of a new shape, if SIMD batches are cheaper than factorizing its K.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
-/// Assigns other robots and contacts of the same shape. Allocates nothing for contact sets that occurred before.
+/// Assigns the island's robots and contacts to the plan of its shape. Does not allocate for a contact set used before.
 void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// Groups the current single-robot islands into SIMD batches.
 void group_robots_alone(Workspace& work);
-/// Frees groups that no island uses, neither current nor pooled.
+/// Frees the groups that neither a current nor a pooled island uses.
 void forget_unused_groups(Workspace& work);
-/// Constructs island.robots at the first call, if possible.
+/// Constructs island.robots at the first call, if IslandWork::joinable.
 void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
-/// Solves the unsolved single-robot islands that fit SIMD batches, at w.q, data.v, data.tau, first in single precision
-/// if options request it. start: start of a step, whose forces are then not in data.tau.
+/// Solves all unsolved single-robot islands in SIMD batches at w.q, data.v, data.tau, first in single precision if
+/// options request it. start: start of a simulation step, if any; data.tau then excludes the step's forces.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
-/// Whether all islands are single robots in SIMD batches of doubles.
+/// Whether SIMD batches in double precision solve all islands, each of a single robot.
 bool stand_alone(const Scene& scene, const Workspace& w);
 /// Returns the largest number of single robots, or states, in a SIMD batch; 1 without SIMD batches.
 int batch_width(const Workspace& w);
 /// Reports dependent rows of an island's J: status, rank, names.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
-/// Compute derivatives of islands solved in SIMD batches (IslandWork::served_in_lanes) into w.derivatives, and products
-/// by the kernels' jvp or vjp with the vectors of lanes::ProductJob.
+/// Compute derivatives of all islands with IslandWork::served_in_lanes into w.derivatives; and jvp or vjp of these
+/// islands (`product`), with vectors `in` and `out` as in lanes::ProductJob.
 void differentiate_alone(const Scene& scene, SceneData& data);
 using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
 void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
                     const std::array<double*, 3>& out);
 
-/// Allocates island.robots->derivatives for `out` if robot by robot is predicted to be cheaper than the whole K.
+/// Allocates island.robots->derivatives for `out` if derivatives robot by robot are predicted cheaper than by K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
-/// Whether robot by robot is cheaper; the result may still turn out not to be sound.
+/// Whether derivatives are first computed robot by robot, as predicted cheaper; they may turn out to be inaccurate.
 bool differentiates_by_robots(const IslandWork& island);
 
-/// Return the jobs of SIMD batches at the current state, and at its solution.
+/// Return the inputs of SIMD batches for a solve at the current state, and for derivatives at the current solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
 lanes::Solution solution_of(const Scene& scene, const SceneData& data);
 
-/// Returns the componentwise backward error of the interface rows from b, y and the robots' borders, or NaN.
+/// Returns the componentwise backward error of the interface rows, or NaN, by b, y and each robot's -G_r x_r.
 double interface_error(double damping, RobotsSystem& robots);
 
 }  // namespace internal

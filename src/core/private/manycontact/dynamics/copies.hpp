@@ -3,10 +3,10 @@
 
 namespace manycontact::internal {
 
-/// Returns `count` copies of a scene in one scene; copy k has the k-th part of concatenated vectors.
+/// Returns a scene with `count` copies of the given scene. Vectors of the copies are concatenated.
 Scene copies_of(const Scene& scene, int count);
 
-/// Returns how many states fill a SIMD batch, after prepare; 1 if one state does, or without SIMD batches.
+/// Returns the number of states whose robots fill a SIMD batch; 1 without SIMD batches. Call it after prepare.
 int states_side_by_side(const SceneData& data);
 
 }  // namespace manycontact::internal

@@ -9,15 +9,15 @@
 
 namespace manycontact {
 
-/// Makes exactly the rows that are redundant in the current solution redundant in later ones. Call it after solve.
+/// Keeps the rows redundant in later solves that are redundant in the current solution. Call it after solve.
 void keep_dependent(SceneData& data);
-/// Does the same in other data, for a scene with the same robots and contacts.
+/// Keeps, in `data`, the rows redundant that are redundant in `of`; its scene has the robots and contacts of `scene`.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
 /// Ends the effect of keep_dependent, for data that continue with other states.
 void forget_dependent(SceneData& data);
 
-/// Returns per velocity coordinate the possible error of J in rows of lengths, in their units: the tolerance or
-/// constraint violation within which rows are dependent; 0 if they are exactly dependent, or independent.
+/// Returns, per velocity coordinate, the possible error of J in rows in m: the tolerance or constraint violation within
+/// which rows are dependent; 0 if rows are exactly dependent, or independent.
 Eigen::VectorXd inaccuracy_of(const Scene& scene, const SceneData& data);
 
 }  // namespace manycontact

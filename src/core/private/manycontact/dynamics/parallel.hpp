@@ -11,11 +11,11 @@ namespace manycontact::internal {
 /// Returns OpenMP's number of threads; 1 without OpenMP.
 int default_threads();
 
-/// Calls work(context, item, thread) for items 0 ... count-1. Thread k of `threads` has items k, k + threads, ..., so
-/// items meet the same memory in every call. Nested OpenMP loops run in one thread. `work` must not throw.
+/// Calls work(context, item, thread) for items 0 ... count-1. Thread k has items k, k + threads, ..., so an item has
+/// the memory of the same thread in every call. Nested OpenMP loops run in one thread. `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
-/// Runs any object callable as work(item, thread) in parallel.
+/// Calls work(item, thread) for items 0 ... count-1 in parallel, for any callable `work` that does not throw.
 template <class Work>
 void run_items(int threads, std::ptrdiff_t count, Work& work) {
   run_items(
@@ -23,14 +23,14 @@ void run_items(int threads, std::ptrdiff_t count, Work& work) {
       [](void* context, std::ptrdiff_t item, int thread) { (*static_cast<Work*>(context))(item, thread); }, &work);
 }
 
-/// The exception that ended a thread's work, and its item.
+/// The exception that ended a thread's work, and the item that threw it.
 struct Failure {
   std::exception_ptr error;
   std::ptrdiff_t item = 0;
 };
 
-/// Runs work that may throw; `failures` has one entry per thread. After the first exception no further item is started,
-/// and the exception of the lowest item is rethrown. The calling thread takes part in the work.
+/// Calls work(item, thread), which may throw; `failures` has one entry per thread. After the first exception no further
+/// item is started, and the exception of the lowest item is rethrown. The calling thread takes part in the work.
 template <class Work>
 void run_items(std::span<Failure> failures, std::ptrdiff_t count, Work&& work) {
   if (failures.size() <= 1 || count <= 1) {

@@ -1,15 +1,15 @@
 #pragma once
-// The equations of a semi-implicit Euler step, evaluated and solved in SIMD batches.
+// The equations of a semi-implicit Euler step of a simulation, evaluated and solved in SIMD batches.
 
 #include "manycontact/dynamics/solve.hpp"
 
 namespace manycontact {
 
-/// The start of a step of h [s], for a scene at rest (simulation/step.hpp).
+/// The start of a step (simulation/step.hpp). The step is solved on a scene at rest, without velocities and gravity.
 struct StartOfStep {
-  const double *v, *stop;  // scene.nv: velocities, and the acceleration that stops them within the step
-  Vec3<double> gravity;    // gravity, which the scene at rest does not have
-  double h;
+  const double *v, *stop;  // scene.nv: velocities, and the accelerations that stop them within the step
+  Vec3<double> gravity;    // gravity of the simulated scene [m/s^2]
+  double h;                // length of the step [s]
   double* contact_v;  // output, rows as Solution::f: J a, velocities of the contact rows after the step
 };
 
@@ -19,7 +19,7 @@ struct StartOfStep {
 ///     [ J  -delta I] [ -f ] = [     prescribed - a0      ]        ID without armature
 ///
 /// where a is the velocity after the step. True: the solution is in data, as after solve_tau with prescribed
-/// accelerations. False: some island is no single robot in a SIMD batch of doubles, or had no sound solution there.
+/// accelerations. False: SIMD batches in double precision cannot solve every island as a single robot.
 [[nodiscard]] bool solve_step(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau,
                               const ConstVectorRef& prescribed, const StartOfStep& start, SceneData& data);
 

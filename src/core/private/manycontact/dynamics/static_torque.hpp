@@ -1,7 +1,7 @@
 #pragma once
-// Torques for rest at the last solve's q with its contact forces, external wrenches and springs:
+// Torques that keep the scene at rest at the q of the last solve, with contact forces f, wrenches w and springs:
 //
-//     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: of algorithm/applied_forces.hpp
+//     tau = g(q) - J^T f - tau_s(q, 0, w)        tau_s: torques of wrenches and springs (algorithm/applied_forces.hpp)
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
@@ -10,25 +10,25 @@
 
 namespace manycontact {
 
-/// Kinematics of the scene at rest, in addition to the solve's; allocate once.
+/// Workspace of static torques, with kinematics of the scene at rest; allocate once.
 struct StaticTorque {
   explicit StaticTorque(const Scene& scene);
   std::vector<Kinematics<double>> kin;             // one entry per robot
   std::vector<RneaDerivatives> terms;              // one entry per robot
   std::vector<std::vector<Vec6<double>>> fext, f;  // one entry per robot: njoints contact forces (tree frame), scratch
-  AppliedForces<double> applied;                   // external wrenches and springs, at rest
+  AppliedForces<double> applied;                   // external wrenches and springs at zero velocity
   AppliedScratch scratch;                          // scratch for the derivatives of `applied`
   Eigen::VectorXd tau;                             // nv: set by static_torque
   Eigen::VectorXd tau_s;                           // nv: torques of `applied`
   Eigen::VectorXd l, wq, wv;                       // nv: scratch; l is zero between uses
 };
 
-/// Sets s.tau (nv), with data.wrenches and, if `contacts`, contact forces, after update_kinematics at q (nq) or a
-/// solve, which contact forces need.
+/// Sets s.tau (nv) at q (nq), with data.wrenches and, if `contacts`, contact forces. Call it after update_kinematics
+/// or, if `contacts`, after a solve.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
-/// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space, with f constant in each contact's frame. Call it
-/// after static_torque with the same `contacts`, after crba, and after differentiate if `contacts` is true.
+/// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space; f is constant in each contact's frame. Call it
+/// after static_torque with equal `contacts`, after crba, and, if `contacts`, after differentiate.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);
 
