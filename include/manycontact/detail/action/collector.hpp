@@ -17,7 +17,7 @@ struct IslandColumns {
   std::vector<int> u;  // the island's columns among nu columns, robots in ascending order
 };
 
-/// The data of an impulse (control/impulse_fwddyn.hpp), whose equations are solved in place of the dynamics, at rest.
+/// The data of an impulse (control/impulse_fwddyn.hpp); DataCollector::solution solves the impulse equations at rest.
 struct Impact {
   std::vector<Kinematics<double>> motion;  // one entry per robot: kinematics at q and the velocity before the impact
   Eigen::VectorXd vnext;                   // nv: the velocity after the impact
@@ -74,8 +74,8 @@ struct DataCollector {  // The data that residuals depend on.
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
   std::vector<IslandColumns> islands;  // one entry per island of the solution
-  // Derivatives with respect to state and control, per island: [a; f] x [q | v | u]. A custom actuation's derivatives
-  // are multiplied in; for a selection of coordinates, the panel is that of the solution. Throws std::logic_error
+  // Derivatives with respect to state and control, per island: [a; f] x [q | v | u]. Derivatives of a custom actuation
+  // are multiplied in; if the actuation selects coordinates, the panel is the solution's. Throws std::logic_error
   // unless calcDiff followed the last calc.
   PanelView panel(std::size_t island) const;  // the derivatives described above
   std::vector<RowMajorMatrix> custom;         // panels with a custom actuation, one matrix per island
@@ -86,8 +86,8 @@ struct DataCollector {  // The data that residuals depend on.
   const Kinematics<double>& kinematics(int robot) const {
     return impact ? impact->motion[static_cast<std::size_t>(robot)] : robot_kinematics(scene, solution, robot);
   }
-  /// The data of the contact model on this frame; if there are several, of the one with this name. Throws
-  /// std::invalid_argument if there is none, or if there are several and no name is given.
+  /// The data of the contact model on this frame; `name` selects one of several. Throws std::invalid_argument if there
+  /// is none, or if there are several and no name is given.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who, const std::string& name = "") const;
   /// Prepares the solution for the active contacts. The method sparse-bodies is never used, since residuals need
   /// inertias and contact rows in joint space. Deep trees are solved by sparse-ldl instead.

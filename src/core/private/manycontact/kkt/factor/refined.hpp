@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds the inconsistent part, which was removed from v.b because of redundant rows, to v.b and v.r again.
+/// Adds the inconsistent part of b, which a solve with redundant rows removed, to v.b and v.r again.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
