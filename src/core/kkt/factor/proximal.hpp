@@ -141,9 +141,8 @@ class ProximalFactor final : public Factor {
     stiffer_ = ldl_.D;
   }
 
-  // Finds dependent rows by their pivots relative to delta or, if some pivots are ambiguous, by how pivots change with
-  // delta. The in_doubt_ of the last state may save a factorization, but not change the result. False: the rank is in
-  // doubt.
+  // Finds dependent rows by their pivots relative to delta or, if a pivot is ambiguous, by how pivots change with
+  // delta. The last in_doubt_ may save a factorization, but does not change the result. False: the rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);

@@ -93,8 +93,7 @@ struct Contradiction {
   bool contradicts() const {
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
-  /// Whether rows have so different sizes (radians, micrometres) that the dense reference solver must find least
-  /// squares.
+  /// Whether row sizes differ so much (radians, micrometres) that least squares need the dense reference solver.
   bool needs_dense() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
 

@@ -29,8 +29,7 @@ auto is_left(const Pivot<S>& p, double margin = 1) {
   const S own = p.of_M ? least : S(margin * tolerance::kRank) * p.row_size;
   return (size > least) & (p.own > own);
 }
-/// Whether the pivot is positive in a row of M, negative in a row of J. Sound pivots are, as K has nv positive
-/// eigenvalues.
+/// Whether the pivot is positive in a row of M, negative in a row of J; sound pivots of K are so in any order.
 template <class S>
 auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);

@@ -38,9 +38,8 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& sym
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);
 
-/// Compute the joined rows' part of a solution; before_solve stores right-hand sides in w.G, which after_solve
-/// overwrites. X: a row-major panel of cols columns with row stride ld; row k of K is row[k] of X, or k if row is
-/// nullptr.
+/// Compute the joined rows' part of a solution. before_solve stores right-hand sides in w.G, and after_solve overwrites
+/// w.G. X: a row-major panel of cols columns with row stride ld; row k of K is row[k] of X, or k for nullptr.
 void before_solve(WaitingRows& w, const int* row, const double* X, int ld, int cols);
 void after_solve(WaitingRows& w, const int* row, double* X, int ld, int cols);
 

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// Makes a factor K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or by SuiteSparse's LDL
+/// Makes a factor K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or SuiteSparse's LDL
 /// (kSuiteSparseLdl, or if memory is scarce). It refuses pivots that are zero, of the wrong sign, or lost in
 /// cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
@@ -16,9 +16,9 @@ std::unique_ptr<Factor> make_ldl_factor(Method method);
 /// pivots. Refuses if rounding hides the rank, or if more than kMostWaiting rows wait among more than kFewRows.
 std::unique_ptr<Factor> make_waiting_ldl_factor();
 
-/// Does the same, damping 0, with rows that are dependent across many bodies: factorizes K with a small damping, which
-/// costs as much as any damped K, and converges to damping 0 by proximal steps. K may be in any order that is sound
-/// with damping. Refuses if rounding hides which rows are dependent.
+/// Makes a factor for damping 0 and rows that are dependent across many bodies. K is factorized with a small damping,
+/// at the cost of any damped K, and proximal steps converge to damping 0. K may have any order that is sound with
+/// damping. Refuses if rounding hides which rows are dependent.
 std::unique_ptr<Factor> make_proximal_factor();
 
 /// Makes a factor K = L D L^T by CHOLMOD's simplicial part, in K's order.

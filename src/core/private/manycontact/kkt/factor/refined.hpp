@@ -22,8 +22,8 @@ struct PanelWork {
   KktVectors column;
 };
 
-/// Refines a whole panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), until
-/// the largest residual of a column is rounding error. Returns that residual relative to |K|_1 |X| + |B|. work.B: B.
+/// Refines a panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), B = work.B,
+/// until each column's residual is rounding error. Returns the largest residual relative to |K|_1 |X| + |B|.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
 
 }  // namespace manycontact
