@@ -60,8 +60,7 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than a factor of K with this cost. Shallow islands skip the
-// analysis.
+// Whether sparse-bodies is predicted to be cheaper than a factor of K with this cost. Shallow islands are not analysed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

@@ -20,7 +20,7 @@ namespace manycontact {
 namespace {
 
 // Computes J, a matrix for each contact, in a configuration without symmetry, `mean` +- `most` from the neutral one.
-// Bases are left out, so that islands of one shape get the same order. other: phase of sines from a robot to the next.
+// Bases are left out, so that islands of one shape get the same order. other: phase between successive robots.
 std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
                                           double mean, double most, double other) {
   std::vector<Eigen::MatrixXd> J;

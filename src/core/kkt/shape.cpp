@@ -143,7 +143,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
     if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
     if (has_axis(contact.type)) add(contact.axis);
     if (!contact.pair || !place_counts(contact)) continue;
-    for (const double x : contact.pair->numbers->R.reshaped())  // as floats: copies' numbers differ by rounding
+    for (const double x : contact.pair->numbers->R.reshaped())  // floats: copies' numbers differ by rounding
       key.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(x)));
   }
 }

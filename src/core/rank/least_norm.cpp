@@ -36,8 +36,7 @@ std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const 
   return Kx;
 }
 
-// Refines z += K^-1 (b - K z) until the componentwise backward error is a rounding error; returns whether this
-// succeeds.
+// Refines z += K^-1 (b - K z). Returns whether the componentwise backward error becomes a rounding error.
 template <class Solve>
 bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const Solve& solve,
                      const std::vector<double>& b, std::vector<double>& z) {

@@ -5,11 +5,11 @@
 
 namespace manycontact {
 
-class Timer {  // The time since its start or last reset.
+class Timer {  // Measures the time since its start or its last reset.
  public:
   void reset() { start_ = Clock::now(); }                           // starts again from zero
   double get_duration() const { return get_us_duration() / 1000; }  // ms
-  /// Microseconds.
+  /// The time in microseconds.
   double get_us_duration() const { return std::chrono::duration<double, std::micro>(Clock::now() - start_).count(); }
 
  private:

@@ -227,7 +227,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints nearer the base
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints up the chain
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);

@@ -130,7 +130,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_dense_schur_factor();
     case Method::kSparseCholmod:
       return make_cholmod_factor(std::move(shape));
-    case Method::kSparseBodies:  // its factor of K in joint space; the system of bodies is BodyFactor
+    case Method::kSparseBodies:  // joint-space factor of K; BodyFactor has the system of bodies
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

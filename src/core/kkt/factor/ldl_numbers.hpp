@@ -71,8 +71,7 @@ struct LdlNumbers {
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
-  /// Memory for panels. A thread's factors share it, so that it stays in the cache; its size suffices for refinement,
-  /// too.
+  /// Memory for panels, also with refinement. A thread's factors share it, so that it stays in the cache.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

@@ -116,7 +116,7 @@ double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, Panel
   const auto residual = [&] {
     std::copy_n(B, size, work.R.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, work.R.data(), ld, ld);
-    if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // removes the residual of least squares
+    if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // the least-squares residual
     return column_error(K, ld, B, X, work.R.data(), work.sums);
   };
   const auto correct = [&] {
