@@ -6,7 +6,7 @@ namespace manycontact {
 
 namespace {
 
-// M(k): a reference to entry k of the packed matrix.
+// Computes Yc and M; M(k) is a reference to entry k of the packed matrix.
 template <class S, class Entries>
 void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const Entries& M) {
   Yc.resize(kin.Y.size());

@@ -17,7 +17,7 @@ RneaDerivativesOf<S>::RneaDerivativesOf(const Model& model)
 
 namespace {
 
-// l and C of one body: 2B = [0, -2[l]x; 0, C], C = [w]I - I[w] - [v][h] - [h][v] - [k], with (l, k) = Y v.
+// Adds l and C of one body: 2B = [0, -2[l]x; 0, C], C = [w]I - I[w] - [v][h] - [h][v] - [k], with (l, k) = Y v.
 template <class S>
 void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>& C) {
   using V3 = Vec3<S>;
@@ -60,7 +60,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Fills row and column k of the derivatives for the coordinates k of joint i.
+// Fills the rows and columns of the derivatives for the coordinates k of joint i.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;
@@ -88,7 +88,7 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
       ++at;
     };
     int j = k;
-    for (; j >= joint.idx_v; --j) entry(j);  // within the joint, S_i and the force rotate together
+    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of the same joint: S_i and the force rotate together
     Fq += cross_force(s, d.f[i]);
     for (j = model.dof_parent[joint.idx_v]; j >= 0; j = model.dof_parent[j]) entry(j);
   }

@@ -11,8 +11,8 @@ namespace manycontact {
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
   std::vector<int> node_offset;      // one entry per robot of the island: number of its first node
-  std::vector<int> parent, end;      // one entry per node: its parent, -1 at the base; one past the last node of its subtree
-  std::vector<int> first_dof, ndof;  // one entry per node: first coordinate of its joint in the island; number of coordinates
+  std::vector<int> parent, end;      // one entry per node: its parent, -1 at the base; end of its subtree
+  std::vector<int> first_dof, ndof;  // one entry per node: first coordinate of its joint, and their number
   std::vector<int> A, B;             // one entry per contact row: nodes on which it acts; -1: an immovable body
   std::vector<int> at_first, at;     // rows on node i: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
@@ -20,7 +20,7 @@ struct BodyPattern {
   std::vector<int> hold;            // one entry per node: its index h among constrained nodes, or -1
   std::vector<int> own_first, own;  // rows of constrained node h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
-  // per node: most rows open before its joint is eliminated; offsets of its rows, rows x ndof, rows^2 numbers, and D
+  // one entry per node: most rows open before its joint; offsets of rows, of rows x ndof and rows^2 numbers, and of D
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows left after all joints are eliminated

@@ -1,7 +1,6 @@
 #pragma once
 // Trees cut at constrained bodies. Six independent rows between a body and the world or a base determine its
-// acceleration. The subtree below the body is then an independent system (system.hpp), and the rows' forces balance its
-// reaction.
+// acceleration. The subtree below is then an independent system (system.hpp), whose reaction the rows' forces balance.
 
 #include <memory>
 
@@ -33,8 +32,7 @@ struct BodySubtrees {
 /// Whether any body with children is constrained by six rows, so that trees may be cut.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts the trees at each body that six rows fix to the world or a base, unless another body's row crosses; linear
-/// cost.
+/// Cuts trees at each body that six rows fix to the world or a base, unless another body's row crosses. Linear cost.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact
