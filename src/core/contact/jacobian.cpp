@@ -88,7 +88,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
     const Contact& contact = scene.contacts[c];
     const Vec6<double> on_A = d.W.transpose() * f.segment(f_offset[c], contact.rows());
     add(contact.A, on_A);
-    add(contact.B, -d.G.act_force(on_A));  // the wrench on B, in the axes of B', about its origin
+    add(contact.B, -d.G.act_force(on_A));  // the wrench on B about its origin, in the axes of B'
   });
   return out;
 }

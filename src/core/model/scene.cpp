@@ -60,7 +60,7 @@ std::string describe(const Scene& scene, const Attachment& at) {
 
 namespace {
 
-// Returns why a contact cannot connect A and B, or nothing if it can.
+// Returns why a contact cannot connect frames A and B, or "" if it can.
 std::string problem(const Scene& scene, const Attachment& A, const Attachment& B) {
   if (A.robot < 0) return "has frame A in the world, expected it on a robot";
   if (A.robot == B.robot && A.joint == B.joint) {

@@ -55,11 +55,10 @@ set(block_sources sparse/src/blocks/level.cpp)
 # Sources for the precision `extended`: the same templates in double-double.
 set(extended_sources src/core/algorithm/applied_forces.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                      src/core/contact/pair_motion.cpp src/core/contact/rows.cpp src/core/dynamics/extended/level.cpp)
-# Sources for single precision, with twice as many robots in a register.
+# Sources for single precision: islands of one robot in floats, with twice as many robots in a register.
 set(single_sources src/core/algorithm/crba.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                    src/core/contact/pair_motion.cpp src/core/contact/rows.cpp src/core/dynamics/lanes/single.cpp)
-# robot_sources and single_sources for packs of one robot, as the level one_LEVEL. Compiled separately, they take half
-# the memory.
+# Both lists once more for packs of one robot, as the level one_LEVEL; compiled separately, they take half the memory.
 set(one_robot_sources ${robot_sources})
 set(one_single_sources ${single_sources})
 
