@@ -42,7 +42,7 @@ struct Cholmod::Impl {
   const CholmodSymbolic::Impl& symbolic;
   CholmodCommon common;
   cholmod_factor* factor = nullptr;
-  cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // solve2's result and workspace
+  cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // result and workspace of cholmod_solve2
 
   explicit Impl(std::shared_ptr<const CholmodSymbolic> s) : shared(std::move(s)), symbolic(*shared->impl_) {}
   Impl(const Impl&) = delete;

@@ -116,7 +116,7 @@ void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* A
   w.reserve(s);
   double* y = w.Y.data();  // not initialised: step j leaves entry j zero for the rows after
   for (int k = 0; k < s.n; ++k) {
-    // row k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k)
+    // Solve for row l_k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k).
     for (int p = A.p[k]; p < A.p[k + 1]; ++p) y[A.i[p]] = Ax[p];
     double d = y[k], terms = std::abs(d);
     y[k] = 0;
@@ -154,7 +154,7 @@ double ldl_rounding(const LdlSymbolic& s) {
     of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
     of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);
   }
-  // two roundings per product of an entry, one per product of a row of each sweep, and a few for the divisions
+  // counts two roundings per product of an entry, one per product of a row in each sweep, some for divisions
   return (2 * of_row + of_column + 8) * std::numeric_limits<double>::epsilon() / 2;
 }
 

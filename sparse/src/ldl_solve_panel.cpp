@@ -13,14 +13,14 @@ void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* r
            const char* nonzero) {
   using Chunk = kernel::Tile<double, N>;
   const auto at = [&](int k) { return X + static_cast<std::ptrdiff_t>(row ? row[k] : k) * ld; };
-  for (int k = 0; k < s.n; ++k) {  // X = L \ X
+  for (int k = 0; k < s.n; ++k) {  // forward sweep X = L \ X
     if ((nonzero && !nonzero[k]) || s.Rp[k] == s.Rp[k + 1]) continue;
     Chunk x = Chunk::load(at(k));
     for (int p = s.Rp[k]; p < s.Rp[k + 1]; ++p)
       if (!nonzero || nonzero[s.Rj[p]]) x.add(-Lx[s.Rk[p]], at(s.Rj[p]));
     x.store(at(k));
   }
-  for (int k = s.n - 1; k >= 0; --k) {  // X = L^T \ (D \ X)
+  for (int k = s.n - 1; k >= 0; --k) {  // backward sweep X = L^T \ (D \ X)
     Chunk x = Chunk::load(at(k));
     x = x.times(1 / D[k]);
     for (int p = s.Lp[k]; p < s.Lp[k + 1]; ++p) x.add(-Lx[p], at(s.Li[p]));

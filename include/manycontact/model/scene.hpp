@@ -57,7 +57,7 @@ inline std::string to_string(ContactType t) { return std::to_string(contact_rows
 
 /// A frame on a joint's body or in the world, to which contacts, external wrenches and springs are attached.
 struct Attachment {
-  int robot = -1;          // -1: the world
+  int robot = -1;          // number of the robot in the scene; -1: the world
   int joint = -1;          // number of the joint in the robot's model; -1: the fixed base
   SE3<double> placement;   // placement of the frame on that body
   std::string frame = {};  // the robot's frame it was made from, before any offset; empty if unknown
@@ -65,7 +65,7 @@ struct Attachment {
 /// Whether the body of an attachment can move. The world and fixed bases cannot.
 inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 
-struct PairRows;  // private to the module contact
+struct PairRows;  // defined in the private module contact
 
 /// A bilateral contact between frame A on a robot and frame B' on another body or in the world
 /// (detail/contact/rows.hpp).
@@ -109,7 +109,7 @@ struct ExternalWrench {
 /// and a solve fails (Reason::kSpringWithoutDirection), unless length and damping are zero.
 struct Spring {
   std::string name;
-  Attachment A, B;       // the frames' origins; B may be in the world
+  Attachment A, B;       // the origins of both frames are the spring's ends; B may be in the world
   double stiffness = 0;  // N / m
   double length = 0;     // length at rest [m]
   double damping = 0;    // N s / m
@@ -142,7 +142,7 @@ struct Scene {  // Constant while it is solved; dynamics/data.hpp lists what may
 
   // Maintained by add_robot, add_contact, add_external_wrench and add_spring.
   int nq = 0, nv = 0, nu = 0;
-  std::unordered_map<std::string, int> robot_index, contact_index, wrench_index, spring_index;  // number of each name
+  std::unordered_map<std::string, int> robot_index, contact_index, wrench_index, spring_index;  // name to number
 
   int nrobots() const { return static_cast<int>(robots.size()); }  // number of robots
 };

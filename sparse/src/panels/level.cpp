@@ -30,7 +30,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
     scale[k] = absolute(b[k]);
   }
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const double xj = x[j], size_j = absolute(xj);
     double rj = multiply_add(-Ax[last], xj, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
     auto r_four = Four::load(zeros), scale_four = r_four;
@@ -115,7 +115,7 @@ template <int N, class RowX, class RowB>
 inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB&& B) {
   const int *p = A.p.data(), *index = A.i.data();
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const auto xj = Tile<double, N>::load(X(j));
     auto bj = Tile<double, N>::load(B(j));
     bj.subtract(Ax[last], xj);

@@ -26,7 +26,7 @@ struct Size {
 };
 
 struct OfBody {
-  Size moved, velocity;  // motion: largest by one coordinate; velocity: sum over coordinates
+  Size moved, velocity;  // moved: largest motion by one coordinate; velocity: sum over coordinates
   double lever = 0;      // largest distance from the origin to a joint of its path
   // forces on the body and all bodies after it in the tree, and derivatives of these with respect to one coordinate
   Size force, by_q, by_v;
@@ -37,7 +37,7 @@ struct OfEnd {
   OfBody* body = nullptr;
   double lever = 0;               // distance from the origin to the end
   double reach = 0;               // largest distance from the origin to the end or a joint of its path
-  double speed = 0;               // speed of its body
+  double speed = 0;               // speed of the end's body
   double velocity = 0;            // sum over coordinates of the speeds by one coordinate
   double moved = 0, changed = 0;  // largest change of the position, and of the velocity, by one coordinate
 };
@@ -114,7 +114,7 @@ class Sizes {
     const double force = largest(F.head<3>()), reach = reach_of(push, of);
     const Size f{force, largest(F.tail<3>()) + reach * force}, &moved = body.moved;
     body.force.add(f);
-    if (push.reference_frame == ReferenceFrame::kLocal)  // the wrench moves with the body
+    if (push.reference_frame == ReferenceFrame::kLocal)  // the wrench is fixed to the body and moves with it
       body.by_q.add(moved.angular * f.linear, moved.angular * f.angular + moved.linear * f.linear);
     else
       body.by_q.add(0, moved.at(std::max(reach, body.lever)) * force);
@@ -182,7 +182,7 @@ class Sizes {
 
   const Scene& scene_;
   const Forces& forces_;
-  std::vector<std::vector<OfBody>> bodies_;  // one entry per robot of the forces: njoints
+  std::vector<std::vector<OfBody>> bodies_;  // one entry per robot of the forces, each with njoints bodies
   AppliedSizes out_;
 };
 

@@ -131,7 +131,7 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
     const int iv = joint.idx_v;
     const Vec6<S>& vp = joint.parent < 0 ? zero : kin.v[joint.parent];
     const Vec6<S>& ap = joint.parent < 0 ? kin.a_base : kin.a[joint.parent];
-    Vec6<S> vJ;  // S_i v
+    Vec6<S> vJ;  // S_i v, the joint's velocity
     Vec6<S> aJ = ap;
     if (joint.nv() == 1) {
       vJ = kin.J.col(iv) * v[iv];

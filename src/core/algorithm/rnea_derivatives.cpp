@@ -25,7 +25,7 @@ void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>
   const V3 v = velocity.template head<3>(), w = velocity.template tail<3>();
   l = add_cross(Y.m * v, w, Y.h);
   const V3 k = add_cross(times<S>(Y.I, w), Y.h, v);
-  M3 wI;  // [w]I, and [w]I - I[w] = wI + wI^T, as I is symmetric
+  M3 wI;  // [w]I; [w]I - I[w] = wI + wI^T, as I is symmetric
   for (int j = 0; j < 3; ++j) wI.col(j) = cross(w, Y.I.col(j));
   const S vh2 = S(2) * dot(v, Y.h);  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
   for (int i = 0; i < 3; ++i) {

@@ -99,7 +99,7 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
 // Returns the rotation of Q's columns that makes the rows of Q flagged in `spans` lower triangular with a positive
 // diagonal. A row of R then depends on rows of R before it if the flagged row of B depends on flagged rows before it.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
-  Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
+  Eigen::MatrixXd rows(Q.cols(), Q.cols());  // the flagged rows of Q, as columns
   Eigen::Index k = 0;
   for (Eigen::Index row = 0; row < Q.rows(); ++row)
     if (spans[static_cast<std::size_t>(row)]) rows.col(k++) = Q.row(row).transpose();

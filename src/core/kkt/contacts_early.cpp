@@ -130,7 +130,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
   const int ncontacts = static_cast<int>(island.contacts.size());
-  std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
+  std::vector<std::vector<int>> on_dof(island.nv);  // one entry per coordinate: contacts that act on it
   for (int c = 0; c < ncontacts; ++c)
     for (int i : support.columns[c]) on_dof[i].push_back(c);
   std::vector<char> eliminated(island.nv, 0), used(island.nv, 0), placed(ncontacts, 0);
@@ -149,7 +149,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       const std::vector<int>& columns = support.columns[c];
       const bool loop = closes_loop(scene.contacts[island.contacts[c]]);
       if (loop && !std::ranges::all_of(columns, [&](int k) { return eliminated[k] != 0; })) continue;
-      std::vector<int> available;  // numbers of columns of J
+      std::vector<int> available;  // columns of J that are eliminated and not used up
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (eliminated[columns[k]] && !used[columns[k]]) available.push_back(static_cast<int>(k));
       const Eigen::Index rows = J.front()[c].rows(), most = static_cast<Eigen::Index>(available.size());

@@ -79,7 +79,7 @@ const sparse::LdlCounts& IslandShape::counts(Order order) {
   auto& counts = counts_[static_cast<std::size_t>(order)];
   if (counts) return *counts;
   const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
-  for (const Order each : kOrders)  // callers compare the counts of all orders
+  for (const Order each : kOrders)  // counts of all orders, as callers compare these
     counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }

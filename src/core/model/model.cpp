@@ -105,7 +105,7 @@ std::vector<std::uint64_t> key_of(const Model& model) {
     key.insert(key.end(), {static_cast<std::uint64_t>(joint.parent), static_cast<std::uint64_t>(joint.type),
                            joint.actuated, joint.placement_rotates, static_cast<std::uint64_t>(joint.axis_kind)});
     for (int k = 0; k < 3 && joint.axis_kind == 3; ++k)
-      key.push_back(std::bit_cast<std::uint64_t>(joint.axis[k] + 0.0));  // -0 is 0
+      key.push_back(std::bit_cast<std::uint64_t>(joint.axis[k] + 0.0));  // + 0.0 makes -0 equal to 0
   }
   return key;
 }

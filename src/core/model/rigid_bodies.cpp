@@ -14,7 +14,7 @@ RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3
   if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
   alone_.emplace();
   alone_->name = model.name;
-  alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // owned by the caller
+  alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // the caller owns the model
   alone_->base = base;
 }
 

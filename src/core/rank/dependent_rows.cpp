@@ -143,7 +143,7 @@ void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, cons
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
   for (std::size_t c = 0; c < dropped.size(); ++c) row_of(rows.N, dropped[c])[c] = -1, rows.met[dropped[c]] = 1;
-  int first = least;  // rows before it are zero
+  int first = least;  // rows of the panel before `first` are zero
   for (int j = last; j >= first; --j) {
     if (!rows.met[j]) continue;
     double* n = row_of(rows.N, j);  // row j of the panel: entries -n_j, now complete

@@ -97,7 +97,7 @@ Eigen::VectorXd by_decomposition(int rows, int cols, const Entries& A, const Eig
 // A block of A: it has no rows or columns in common with other blocks.
 struct Block {
   std::vector<int> rows, cols;
-  Entries entries;  // numbered within the block
+  Entries entries;  // entries, with rows and columns numbered within the block
 };
 
 std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {

@@ -34,7 +34,7 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
 
 // Lists the rows of K in which a cluster's columns of N have entries: first its dropped rows, then kept rows.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
-  constexpr int kListed = -2;  // marks a row in rows.owner
+  constexpr int kListed = -2;  // marks a row as listed, in rows.owner
   std::vector<int>& all = rows.cluster_rows;
   cluster.row = static_cast<int>(all.size());
   for (int a = 0; a < cluster.count; ++a) all.push_back(rows.Ni[rows.Np[rows.members[cluster.first + a]]]);
@@ -54,7 +54,7 @@ void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   std::vector<int>& place = rows.owner;  // position of the next entry in the column of each kept row
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
-  const auto each = [&](auto&& use) {  // the dropped rows' own entries are skipped
+  const auto each = [&](auto&& use) {  // all entries of N but the dropped rows' own
     for (int a = 0; a < cluster.count; ++a) {
       const int k = rows.dropped[rows.members[cluster.first + a]];
       each_of_null(rows, cluster, a, [&](int j, double value) {
@@ -208,7 +208,7 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
     const int count = std::min(kColumns, cluster.size - a);
     for (int i = 0; i < count; ++i)
       each_of_basis(rows, cluster, a + i, [&](int k, double value) { row(k)[i] = value; });
-    for (int b = a; b < cluster.size; ++b) {  // the lower half
+    for (int b = a; b < cluster.size; ++b) {  // the lower half of B^T B
       Chunk sum = Chunk::all(0);
       each_of_basis(rows, cluster, b, [&](int k, double value) { sum.add(value, row(k)); });
       double products[kColumns];
@@ -305,7 +305,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
     if (cluster.kind ==
-        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, and B t is added
+        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, then B t is added
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -323,7 +323,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
 
 namespace {
 
-// Whether one of the cluster's rows is non-zero; then all of them will be, and their flags are set.
+// Whether one of the cluster's rows of X is nonzero. Then all of them become nonzero, and their flags are set.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
   const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
   const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });
@@ -336,7 +336,7 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  constexpr int kColumns = 64;  // columns at a time; clusters vary with rounding errors, memory must not
+  constexpr int kColumns = 64;  // columns at a time; constant: clusters vary with rounding, memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
   each_projection(rows, [&](const DependentRows::Cluster& cluster) {

@@ -67,8 +67,8 @@ struct DataCollector {  // The data that residuals depend on.
   std::unique_ptr<Own> own_;
 
  public:
-  const bool whole;                    // standalone only: data created with this object have whole matrices
-  MultibodyData* pinocchio = nullptr;  // standalone only
+  const bool whole;                    // whether the data are standalone; parts then have whole matrices
+  MultibodyData* pinocchio = nullptr;  // null unless the data are standalone
   Scene& scene;         // the state's robots; contacts in the order of their names; damping; armature
   SceneData& solution;  // kinematics are those of the last calc, all other members those of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;

@@ -43,7 +43,7 @@ struct ContactSupport {
   std::vector<int> a, b;
   int cols() const { return static_cast<int>(a.size() + b.size()); }  // columns of J
 };
-ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of one contact
+ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of `contact`
 
 /// Numbers of a pair: all contacts between the same two bodies, reduced to independent rows by B = Q R. B is the matrix
 /// that maps the bodies' relative motion, in the pair's frame A, to the rows of these contacts; Q has orthonormal
@@ -51,7 +51,7 @@ ContactSupport contact_support(const Scene& scene, const Contact& contact);  // 
 template <class S>
 struct PairNumbers {
   // On the heap, since kernels for other SIMD levels, with other alignment, read these matrices.
-  MatX<S> Q;              // rows of all contacts x rank
+  MatX<S> Q;              // (rows of all contacts) x rank, orthonormal columns
   MatX<S> R;              // rank x 6, upper triangular factor of B
   MatX<S> R_right;        // 6 x rank, right inverse: R R_right = 1
   MatX<S> terms;          // rank x 2: magnitudes of the terms of R's rows, of displacements and of rotations
@@ -66,16 +66,16 @@ struct ContactData {
 
   // Computed by contact_rows.
   SE3<S> aMA, bMA;  // A in the tree frame of A's body, and of B's (B in the world: relative to B', in A's axes)
-  SE3<S> G;         // B'MA
+  SE3<S> G;         // B'MA, placement of A in B'
   Vec3<S> on_A, on_B;      // origins of A and B in their bodies' frames [m]; zero for B in the world
   Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (qdd = 0, minus gravity) of A, and of B' times X
   Vec6<S> nu, nudot, x;    // motions of A relative to B' (file header); for points x's angular part is zero
   Mat6X<S> Jl;             // 6 x cols: J_l, first the columns of support.a, then of support.b
-  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6
-  MatX<S> J;                                        // rows x cols
-  Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
+  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6: selects the constraint rows
+  MatX<S> J;                                        // rows x cols: Jacobian of the rows
+  Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows: bias of the rows
   S joint_lever = S(0);  // largest distance of the joints that rotate the contact from the origin of their tree [m]
-  std::optional<PairNumbers<S>> pair;  // set by take_places; only for a contact that represents several contacts
+  std::optional<PairNumbers<S>> pair;  // set by take_places, if it represents several contacts
   std::vector<SE3<S>> pair_B;          // one entry per contact of the pair: placement of its B' in the pair's B'
   /// Pairs only, in three parts. First the part of each contact's own a0 that the reduced rows do not contain, one
   /// number per row, in order. Then the largest terms of each number. Then the bodies' deviations from a common motion,
@@ -142,7 +142,7 @@ template <class S>
 struct MotionSizes {
   S moved, turning, of_point;
 };
-/// Computes the magnitudes. Call it after contact_rows.
+/// Computes MotionSizes of a contact, after contact_rows.
 template <class S>
 MotionSizes<S> motion_sizes(const Contact& contact, const ContactData<S>& data) {
   using std::abs;

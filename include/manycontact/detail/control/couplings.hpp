@@ -47,7 +47,7 @@ std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Couplin
 /// (augmented_action.hpp).
 class Couplings {
  public:
-  /// Throws std::invalid_argument if the subproblems do not fit the scene.
+  /// Lists the couplings of the subproblems. Throws std::invalid_argument if these do not fit the scene.
   Couplings(Scene scene, const std::vector<ActionPart>& parts);
 
   const Scene& scene() const { return scene_; }                          // all robots, with gravity
@@ -92,7 +92,7 @@ struct CouplingData {                                                       // T
   struct OfCoupling {
     ContactSupport support;
     ContactData<double> rows;        // constraint rows at the solution; set by solve
-    ContactDerivatives derivatives;  // set by differentiate
+    ContactDerivatives derivatives;  // derivatives of the rows: set by differentiate
   };
   std::vector<OfCoupling> couplings;
 };

@@ -5,7 +5,7 @@
 //     q = g;     a_i = s_i^T q / s_i^T y_i,   q <- q - a_i y_i      newest pair first
 //     r = H0 q;  b_i = y_i^T r / s_i^T y_i,   r <- r + (a_i - b_i) s_i    oldest pair first
 //
-// H is positive definite if H0 is, since pairs without positive curvature are not added.
+// H is positive definite if H0 is, since only pairs with positive curvature s^T y are stored.
 
 #include <Eigen/Core>
 #include <vector>

@@ -25,7 +25,7 @@ struct ActionDataParts : ActionDataAbstract {  // Data of ActionModelParts, subp
   using ActionDataAbstract::ActionDataAbstract;
   std::vector<std::shared_ptr<ActionDataAbstract>> parts;
   std::vector<Eigen::VectorXd> x, u;        // values last given to each subproblem; u includes wrenches
-  std::shared_ptr<CouplingData> couplings;  // null without couplings
+  std::shared_ptr<CouplingData> couplings;  // null if there are no couplings
 
   bool has_matrices() const override { return Fx.size() > 0; }
 };
@@ -69,7 +69,7 @@ class ActionModelParts : public NodeWithData<ActionModelParts, ActionModelAbstra
   /// derivatives for any solver, with the wrenches of couplings eliminated. With kSparse, only the subproblems' data
   /// contain derivatives, which SolverSparse reads; Lx, Lu and the node's matrices are empty.
   void set_storage(MatrixStorage storage);
-  MatrixStorage get_storage() const { return storage_; }  // storage of data
+  MatrixStorage get_storage() const { return storage_; }  // see set_storage
 
  private:
   void evaluate(ActionDataParts& data, const ConstVectorRef& x, const ConstVectorRef* u) override;

@@ -1,5 +1,5 @@
 #pragma once
-// States in a vector space: x (+) dx = x + dx, nx = ndx. Crocoddyl's StateVector.
+// StateVector: states in a vector space, x (+) dx = x + dx, nx = ndx; the name is Crocoddyl's.
 
 #include "manycontact/action/state.hpp"
 

@@ -23,7 +23,7 @@ struct Island {
 inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
 /// Whether a spring couples two bodies. It adds no rows to K, but derivatives then have blocks between the robots.
 inline bool joins_robots(const Spring& spring) { return moves(spring.A) && moves(spring.B); }
-/// The robot whose island a contact belongs to: that of A, or that of B if A cannot move.
+/// The robot to whose island a contact belongs: the robot of A or, if A cannot move, the robot of B.
 inline int robot_of(const Contact& contact) { return moves(contact.A) ? contact.A.robot : contact.B.robot; }
 
 /// Finds the islands of the scene with its springs and the given active contacts (one flag per contact), sorted by

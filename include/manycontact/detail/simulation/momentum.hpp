@@ -36,7 +36,7 @@ struct FreeGroup {
   Vec3<double> normal;    // unit vector in the world
 
   Vec3<double> reference;       // a point of the world near the bodies, about which Y and momentum are; world axes
-  Inertia<double> Y;            // inertia of all bodies together
+  Inertia<double> Y;            // inertia of all bodies of the group together
   Vec6<double> momentum;        // about `reference`: linear [N s], angular [N m s]
   Vec3<double> C_next;          // C+, the centre of mass after the step [m]
   Vec3<double> P_next, L_next;  // P+ [N s] and L+ [N m s], after the step
@@ -53,11 +53,11 @@ struct FreeGroups {
     int robot, joint, node, parent;  // node: number of the bodies below; parent: of the bodies above, 0: the
                                      // world, and bodies attached to the world by ordinary joints
   };
-  std::vector<FreeJoint> joints;  // sorted in the scene's order
+  std::vector<FreeJoint> joints;  // free joints in the scene's order
   std::vector<int> first_body;    // one entry per robot: the number of its first body
   std::vector<int> node;          // one per body: its node, the bodies connected rigidly or by ordinary joints
   std::vector<int> group;         // one entry per node: the number of its group
-  std::vector<FreeGroup> groups;  // one entry per node
+  std::vector<FreeGroup> groups;  // one entry per node; used if the node's number is that of a group
   bool any = false;               // whether any group is free (not tied)
   bool nested = false;            // whether any free joint is attached to a body that moves
 };

@@ -17,7 +17,7 @@
 
 #include <Eigen/Core>
 
-#ifndef MANYCONTACT_LANES  // whose memory stays its own
+#ifndef MANYCONTACT_LANES  // with MANYCONTACT_LANES, each level has its own memory
 #include "manycontact/abi.hpp"
 #endif
 
@@ -51,7 +51,7 @@ template <int W, class E = double>
 struct Pack {
   static constexpr int width = W;
   using Element = E;
-  using Bits = typename detail::BitsOf<E>::Int;  // the bits of one element
+  using Bits = typename detail::BitsOf<E>::Int;  // an integer with the bits of one element
   using Real = typename detail::PackOf<W, E>::Real;
   using Int = typename detail::PackOf<W, E>::Int;
   /// The result of a comparison, one element per element of the packs: all bits set if true, 0 if false.

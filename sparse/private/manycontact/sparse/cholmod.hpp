@@ -37,7 +37,7 @@ class Cholmod {
   Cholmod(Cholmod&&) noexcept;
   Cholmod& operator=(Cholmod&&) noexcept;
 
-  /// Computes the numeric factorization of the values Ax in the pattern's slots. Returns false if a pivot is zero.
+  /// Factorizes the matrix with the values Ax in the pattern's slots. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
   /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
   void solve(double* X, int cols);

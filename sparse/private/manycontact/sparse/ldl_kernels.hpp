@@ -36,7 +36,7 @@ struct Inverse {
 /// Eliminates the columns of a block one after the other. first: number of the first column.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
-  V u[LdlSchedule::kWidest];  // -L_ac D_c
+  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
   const int step = width + below - 2;
   V* column = L;
   for (int a = 0; a < width; ++a) {
@@ -65,11 +65,11 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
-  V u[LdlSchedule::kWidest * N];  // -L_ac D_c
+  V u[LdlSchedule::kWidest * N];  // -L_ac D_c for rows a of this block, columns c
   const int step = width + below - 2;
   const int row = run.row + a - run.begin;
   auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);
-  const V* x = L + width - 1;  // first row below
+  const V* x = L + width - 1;  // first row below the block, in column 0
   for (int c = 0; c < width; ++c) {
     const V* l = x + a + c * step - c * (c - 1) / 2;
     const auto l_a = Tile<V, N>::load(l);
@@ -100,11 +100,11 @@ inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& 
 template <class V>
 inline void forward(int width, int below, const V* L, const LdlSchedule::Run* run, const LdlSchedule::Run* end, V* own,
                     V* x) {
-  V u[LdlSchedule::kWidest];  // -x_c
+  V u[LdlSchedule::kWidest];  // u[c] = -x_c for columns c of the block
   const int step = width + below - 2;
   for (int a = 0; a < width; ++a) {
     V x_a = own[a];
-    const V* l = L + a;  // one past L_ac
+    const V* l = L + a;  // one past L_ac of row a
     for (int c = 0; c < a; ++c) {
       x_a = multiply_add(l[-1], u[c], x_a);
       l += step - c;
@@ -128,7 +128,7 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
   const int step = width + below - 2;
   const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
   for (int c = width - 1; c >= 0; --c) {  // column: row c + 1 of column c
-    const V* l = column + width - 1 - c;  // first row below
+    const V* l = column + width - 1 - c;  // first row below the block
     const V zeros[4] = {};
     auto four = Tile<V, 4>::load(zeros);
     V rest{};
@@ -248,7 +248,7 @@ void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V*
     if constexpr (kSizes) scale[k] = absolute(b[k]);
   }
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const V x_j = x[j], size_j = absolute(x_j);
     V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j{};
     if constexpr (kSizes) scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);

@@ -34,7 +34,7 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
   const int* Lp = schedule.Lp.data() + first;
   const int step = width + (Lp[width] - Lp[width - 1]) - 2;
-  const int at = Lp[from] - from - 1;  // row r of column `from`: Lx[at + r]
+  const int at = Lp[from] - from - 1;  // row r of column `from` is Lx[at + r]
   V* all = X + static_cast<std::ptrdiff_t>(first) * N;
   in_chunks<kPanelRows>(from, width, [&](int r, auto size) {
     constexpr int R = size.value;

@@ -53,7 +53,7 @@ struct PanelKernels {
   }
 };
 
-/// The kernels of the widest instruction level that this processor supports.
+/// The kernels of the widest SIMD level that this processor supports.
 const PanelKernels& panel_kernels();
 /// Returns the kernels of all SIMD levels of this build that the processor supports, the widest first.
 std::span<const PanelKernels* const> panel_levels();

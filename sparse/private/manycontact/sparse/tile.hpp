@@ -48,13 +48,13 @@ struct Tile {
   void store(V* x) const {
     for (int k = 0; k < N; ++k) x[k] = v[k];
   }
-  void add(const V& l, const V* x) {  // += l x
+  void add(const V& l, const V* x) {  // this tile += l x
     for (int k = 0; k < N; ++k) v[k] = multiply_add(l, x[k], v[k]);
   }
-  void add(const Tile& a, const Tile& b) {  // += a b
+  void add(const Tile& a, const Tile& b) {  // this tile += a b, element by element
     for (int k = 0; k < N; ++k) v[k] = multiply_add(a.v[k], b.v[k], v[k]);
   }
-  void subtract(const V& l, const Tile& x) {  // -= l x
+  void subtract(const V& l, const Tile& x) {  // this tile -= l x
     for (int k = 0; k < N; ++k) v[k] = subtract_product(l, x.v[k], v[k]);
   }
   Tile times(const V& s) const {

@@ -188,7 +188,7 @@ inline constexpr double kRefinePanel = 5e-14;
 /// Derivatives by dense-schur: refinement stops at this normwise residual, half of the 1000 eps allowed; residuals up
 /// to kConverged are accepted. Derivatives robot by robot: this componentwise backward error is accepted.
 inline constexpr double kPanelRefined = 1e-13;
-inline constexpr int kPanelSteps = 3;  // the first is the solve itself
+inline constexpr int kPanelSteps = 3;  // most solves, the first solve included
 
 /// Residuals below this have lost digits by underflow (normal numbers end at 2e-308) and are meaningless.
 inline constexpr double kVanishing = 1e-290;
@@ -196,7 +196,7 @@ inline constexpr double kVanishing = 1e-290;
 /// Quadruple precision: normwise residual of an exact solution, 1e4 times the eps of float128 (2e-30), and most
 /// refinement steps. A step gains at least a factor of 2, usually 10 digits, and 30 digits are 100 factors of 2. A
 /// factor that gains less than a factor of 4 a step is replaced by the dense solver in quadruple precision.
-inline constexpr int kTruthRounding = 10000;  // units of eps of the scalar
+inline constexpr int kTruthRounding = 10000;  // unit: eps of the scalar
 inline constexpr int kTruthSteps = 60;
 
 /// Relative change of x by a correction, below which the magnitudes |K| |x| need not be computed again.
@@ -267,7 +267,7 @@ inline constexpr double kLeastLoad = 1e-3;
 inline constexpr double kPartOfData = 1e-2;
 
 // ---- the precision `extended` ---------------------------------------------------------------------------------
-// Solutions are refined in double-double, whose own rounding is about 2^-104.
+// Thresholds of refinement in double-double, whose own rounding is about 2^-104.
 
 /// Refinement has converged if the last correction of each robot's accelerations and each contact's forces is at most
 /// this part of them, an eighth of double's rounding. For solutions that vanish, the second limit is relative to loads.
@@ -285,11 +285,11 @@ inline constexpr double kExtendedDigits = 0x1p-96, kExtendedDigitsVanishing = 0x
 inline constexpr double kExtendedDependent = 0x1p-75;
 /// Most steps of refinement, enough for condition numbers at which each step gains half a binary digit.
 inline constexpr int kExtendedSteps = 60;
-/// Numbers of a scene (placements, inertias, quaternions) are rounded when they are read. The error of a solution that
-/// follows from this is at most kReadRounding of it and kReadShare of the bound by |K^-1|, which counts kBoundRounding
-/// eps of each term: four of these. With 1/12, the median of bound over error would be 78 in place of 311, but 6 of
-/// 42,000 random scenes exceeded their bound by up to 2.5 times. The precision `extended` is judged by the scene as
-/// read: its share is 2^-104 / 2^-53, and 32 for the constants of sums and products in double-double.
+/// Numbers of a scene (placements, inertias, quaternions) are rounded when they are read. The resulting error of a
+/// solution is at most kReadRounding of it, plus kReadShare times the bound by |K^-1|: the bound counts kBoundRounding
+/// = 12 eps of each term, and 4 suffice. With 1/12, the median of bound over error would be 78 in place of 311, but 6
+/// of 42,000 random scenes would exceed their bound by up to 2.5 times. The precision `extended` is judged by the scene
+/// as read: kExtendedShare is 2^-104 / 2^-53 times 32, for the constants of sums and products in double-double.
 inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtendedShare = 0x1p-46;
 
 // ---- choosing -------------------------------------------------------------------------------------------------
@@ -302,7 +302,8 @@ inline constexpr double kCheaper = 0.9;
 /// the coordinates' columns of J, relative to the rows' lengths. The second value is used if its order is cheaper.
 inline constexpr double kDistinct[] = {1e-2, 1e-3};
 
-/// At most 1 / kZeros of a relaxed supernode are structural zeros; columns with fewer than kShort entries stay as is.
+/// At most 1 / kZeros of a relaxed supernode's entries are zeros; columns with fewer than kShort entries are not
+/// joined.
 inline constexpr int kZeros = 12, kShort = 16;
 
 }  // namespace manycontact::tolerance

@@ -190,7 +190,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
       if (row == drop.row || column[row] < 0) return add(row, value);
       for (int q = rows.Np[column[row]] + 1; q < rows.Np[column[row] + 1]; ++q) add(rows.Ni[q], -value * rows.Nx[q]);
     };
-    if (drop.node == p.nodes)  // the row moves nothing
+    if (drop.node == p.nodes)  // the row moves no coordinate
       put(drop.row, 1.0);
     else if (!null_column(s, drop, dropped_at, put))
       return false;

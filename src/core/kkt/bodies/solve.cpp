@@ -57,7 +57,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + d.joint_first[i], N, m);
   for (int k = 0; k < m; ++k) d.g[d.row[at + k]] -= d.G[at + k].dot(c) + W.col(k).dot(Du);
   for (int k = 0; k < d.eliminated[i]; ++k) {
-    const double* L = d.E.data() + d.square_first[i] + k;  // column k
+    const double* L = d.E.data() + d.square_first[i] + k;  // column k of L
     const double g = d.g[d.row[at + k]];
     p -= d.H[at + k] * (g * L[static_cast<std::ptrdiff_t>(k) * s.most[i]]);
     for (int j = k + 1; j < m; ++j) d.g[d.row[at + j]] -= L[static_cast<std::ptrdiff_t>(j) * s.most[i]] * g;

@@ -1,5 +1,5 @@
 #pragma once
-// M and J of a sparse K as dense matrices.
+// Conversion of a sparse K to dense M and J.
 
 #include "manycontact/kkt/factor/factor.hpp"
 

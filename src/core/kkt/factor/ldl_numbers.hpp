@@ -13,7 +13,7 @@ namespace manycontact::internal {
 /// L and D of K, and solves with L and D, by the pattern's compiled schedule if requested and not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
-  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp is used
+  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp
   std::vector<double> L, D;
   std::vector<int> same;  // the identity permutation 0, 1, 2 ...
 

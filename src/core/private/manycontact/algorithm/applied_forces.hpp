@@ -55,7 +55,7 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
 /// Displacements, velocities and adjoints of bodies, as scratch of one thread; allocate once.
 struct AppliedScratch {
   explicit AppliedScratch(const AppliedForces<double>& forces);
-  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`: njoints
+  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
 
 // Call the functions below after add_applied_forces at q, v. They consider only `robots`; vectors are the scene's.

@@ -54,8 +54,8 @@ struct BodyTerms {
   Vec3<S>* r;     // origin of the body frame relative to the parent's, or to the base
   S* S_i;         // 6 x nv of the joint, by columns: motion subspace; zero before the first call
   Inertia<S>* Y;  // the body's inertia
-  Vec6<S>* c;     // bias acceleration of the joint, v x S v
-  Vec6<S>* h;     // bias force of the body, v x* Y v
+  Vec6<S>* c;     // bias acceleration v x S v of the joint
+  Vec6<S>* h;     // bias force v x* Y v of the body
 };
 
 /// Computes the placements of the trees at a configuration q (nq); `base` as in forward_kinematics.

@@ -7,7 +7,7 @@ namespace manycontact {
 /// for contacts with angular rows, the world's z for points. oRA, oRB: axes of A and B'; oRB: unused for the world.
 inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
   if (contact.normal) {
-    const Vec3<double> n = contact.normal->normalized();  // its length may differ from 1 after add_contact
+    const Vec3<double> n = contact.normal->normalized();  // the length may differ from 1 after add_contact
     return contact.B.robot < 0 ? n : Vec3<double>(oRB * n);
   }
   return holds_turning(contact.type) ? Vec3<double>(oRA.col(2)) : Vec3<double>(Vec3<double>::UnitZ());

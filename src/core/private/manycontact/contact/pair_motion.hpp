@@ -28,7 +28,7 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
 }
 
 /// Bias motion of one member of a pair, without nudot (symbols: detail/contact/rows.hpp; e: position error):
-///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: rotation, too.
+///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: as points, and rotation.
 template <class S>
 struct MemberMotion {
   const Contact& c;

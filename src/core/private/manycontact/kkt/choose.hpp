@@ -12,7 +12,7 @@ namespace manycontact {
 /// trees, combs, hands, nets and ladders of 10 to 1,000 links, mostly accurate to a factor of 1.3. Nearly dependent
 /// rows cost more than predicted.
 struct PredictedCosts {
-  std::array<double, std::size(kOrders)> ldl, cholmod;  // one cost per order
+  std::array<double, std::size(kOrders)> ldl, cholmod;  // one cost per elimination order
   double dense;
   double terms;   // the terms of M and J, which all methods above need
   double bodies;  // sparse-bodies, which needs no terms of M and J
@@ -20,7 +20,7 @@ struct PredictedCosts {
 /// Predicts the costs. For deep trees, without joint-space patterns, ldl is least_cost_ldl and cholmod infinite.
 PredictedCosts predict_costs(IslandShape& shape);
 
-/// Returns the cost of a factor by sparse-ldl, in the units of PredictedCosts.
+/// Returns the cost of factor and solves by sparse-ldl, in the units of PredictedCosts.
 double predicted_cost_ldl(int rows, const sparse::LdlCounts& L);
 
 /// Returns PredictedCosts::terms of an island in a SIMD batch.

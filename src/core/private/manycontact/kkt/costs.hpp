@@ -4,7 +4,7 @@
 
 namespace manycontact::costs {
 
-inline constexpr double kPredictedSecond = 0.2e-9;  // s
+inline constexpr double kPredictedSecond = 0.2e-9;  // seconds
 
 // sparse-ldl: costs of factor, solve and refinement, per row of K, entry of L, multiply-add, supernode, and index range
 // that a supernode updates (short ranges: contacts are ordered among the joints).

@@ -17,7 +17,7 @@
 namespace manycontact {
 
 template <class S>
-struct DenseKkt {  // K and its rank-revealing factor
+struct DenseKkt {  // M, J, delta of K, and the rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
   VecX<S> row_scale;  // nc: sizes of rows of J (rank/row_size.hpp); if empty, their largest entries
@@ -32,7 +32,7 @@ struct DenseKkt {  // K and its rank-revealing factor
   Eigen::ColPivHouseholderQR<MatX<S>> of_Ct;        // R C^T = U T V^T
   MatX<S> N;                                        // nv x (nv - rank): orthonormal basis of J's null space
   Eigen::LLT<MatX<S>> reduced;                      // factor of N^T M N
-  Eigen::PartialPivLU<MatX<S>> lu;                  // factor of K, if delta > 0
+  Eigen::PartialPivLU<MatX<S>> lu;                  // factor of K; used if delta > 0
 
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }

@@ -11,7 +11,7 @@ namespace manycontact {
 struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // values of K's entries in the pattern's slots
-  double damping = 0;          // delta
+  double damping = 0;          // delta of K
   /// Reference for the sizes of J's rows: the largest motion from which rows are selected (motion_scale in
   /// detail/contact/rows.hpp). It is needed because entries of J may all be rounding errors.
   double row_scale = 0;
@@ -27,7 +27,7 @@ struct KktMatrix {
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
               KktMatrix& K);
 
-/// Vectors of a system in K's elimination order.
+/// Vectors of the system K x = b, in K's elimination order.
 struct KktVectors {
   std::vector<double> b, x;
   std::vector<double> r, scale;        // residual b - K x; scale = |b| + |K| |x|

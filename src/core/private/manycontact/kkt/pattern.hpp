@@ -29,12 +29,12 @@ struct LazySchedule {
 struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
-  std::vector<int> perm, iperm;    // perm[k]: row of K eliminated k-th; iperm its inverse
+  std::vector<int> perm, iperm;    // perm[k]: row of K that is eliminated k-th; iperm: the inverse
   std::vector<char> of_M;          // one flag per row of P K P^T: it is a row of M
   sparse::UpperCsc K;              // pattern of P K P^T
   std::vector<int> M_slot;         // slot of each entry of the robots' packed M, robot after robot
   std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact
-  std::vector<int> diagonal_slot;  // slot of each contact row's diagonal
+  std::vector<int> diagonal_slot;  // slot of the diagonal entry of each contact row
   sparse::LdlSymbolic ldl;
   std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // used by schedule()
 

@@ -40,14 +40,14 @@ struct DependentRows {
   /// N = [1; -Z] in dropped and kept rows, or the columns [Z^T; 1] of the complement.
   struct Cluster {
     int first = 0, count = 0;  // range in `members`
-    int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K in which N has entries
+    int row = 0, row_end = 0;  // range in `cluster_rows` of the rows of K in which its columns of N have entries
     int basis = 0, size = 0;   // columns basis ... basis + size - 1 of B, of the kind:
     // the columns of N, a basis of the complement, or the columns of N orthonormalised because of large entries
     enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
-    std::size_t gram = 0;  // offset in `gram` of the Cholesky factor of B^T B, size x size, by columns
+    std::size_t gram = 0;  // offset in DependentRows::gram of the Cholesky factor of B^T B, size x size, by columns
   };
   std::vector<Cluster> clusters;
-  std::vector<int> members;  // indices in `dropped`
+  std::vector<int> members;  // indices in `dropped`, cluster by cluster
   std::vector<int> cluster_rows;
   std::vector<int> Bp, Bi;  // columns of all clusters' bases B, stored as N is
   std::vector<double> Bx, gram;
@@ -109,7 +109,7 @@ std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const 
 /// Sets y -= P y, and null_component = P y (n) if it is given. y: n, in K's order; entries of M's rows are not used.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
 /// Sets Y -= P Y in columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
-/// nonzero: one flag per row of K, input and output: its row of X may be nonzero there; nullptr: all may be.
+/// nonzero: one flag per row of K, read and updated: its row of X may be nonzero there; nullptr: all may be.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
                        char* nonzero = nullptr);
 

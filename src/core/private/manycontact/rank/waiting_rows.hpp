@@ -23,7 +23,7 @@ struct WaitingRows {
   std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the rest is dependent
   int joined = 0;
   std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that K1 lacks
-  std::vector<double> scale;  // 1 / sqrt(terms) of each row
+  std::vector<double> scale;  // 1 / sqrt(terms of the pivot) of each waiting row
   std::vector<double> L;      // Cholesky factor of scale (-S) scale, by rows, as wide as `rows`
   std::vector<int> place;     // one entry per row of K: its index in the original `rows`, or -1
 

@@ -14,7 +14,7 @@ namespace manycontact {
 
 /// The dependent rows and their null space. Memory is reused for the same pattern and null space.
 struct BodyDependence {
-  rank::DependentRows rows;        // numbered as the system's rows
+  rank::DependentRows rows;        // null space; rows are numbered as the system's rows
   Eigen::VectorXd null_component;  // nc: part of b.rows in the null space, the inconsistency
 
   // scratch

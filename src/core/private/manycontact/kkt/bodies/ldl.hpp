@@ -53,9 +53,9 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   std::vector<int> row;
   std::vector<Vec6<double>> G, H;  // one entry per open row: before the joint is eliminated; after it
   std::vector<double> W, E;        // W = G S; E: L's columns below the diagonal, on it E_kk^-1 of eliminated rows
-  std::vector<int> base_row;       // rows left at the bases, in elimination order
+  std::vector<int> base_row;       // rows still open at the bases, in elimination order
   std::vector<double> base_E;      // entries of E for base_row
-  std::vector<double> pivot_sum;   // one entry per row: sum of the joints' terms of E_kk
+  std::vector<double> pivot_sum;   // one entry per row: sum of the terms of E_kk that joints contributed
   std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
   double growth = 1;               // largest factor by which P grew when rows were eliminated
   std::vector<double> least_kept;  // one entry per node: least part left of a pivot, of rows eliminated in its subtree
@@ -63,7 +63,7 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   std::vector<double> least_inertia, most_inertia;  // one per row: range of D of its joints
 
   // rows that depend on others (dependent_rows.hpp): they are not in the factor, and their y is zero
-  std::vector<char> dropped;  // one flag per row
+  std::vector<char> dropped;  // one flag per row: it was dropped
   struct Drop {
     int row, node;  // node whose rows span the row; number of nodes: the row moves nothing
   };
@@ -91,7 +91,7 @@ HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 
-/// One step of a solve's backward sweep, from node i to its parent; the sweep from the leaves to the bases.
+/// Make one step of a solve's backward sweep, from node i to its parent, and the whole sweep from leaves to bases.
 void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 

@@ -23,7 +23,7 @@ struct BodyPattern {
   // one entry per node: most rows open before its joint; offsets of rows, of rows x ndof and rows^2 numbers, and of D
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
-  int most_at_base = 0;  // rows left after all joints are eliminated
+  int most_at_base = 0;  // rows that may be open after all joints are eliminated
   // for predicted costs: sums over nodes of (open rows)^2, of (open rows)^2 x eliminated rows; rows open at the bases
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 

@@ -39,7 +39,7 @@ struct BodyVectors {
   void set_zero();
 };
 
-/// Residual of a solution x.
+/// Residual of a solution x of the body-space system.
 struct BodyResidual {
   BodyVectors r;  // right-hand minus left-hand sides; opposite sign for f
   // set only by backward_error

@@ -1,5 +1,5 @@
 #pragma once
-// Iterative refinement with any factor by the true residual: x += K^-1 (b - K x).
+// Iterative refinement by the true residual with any factor of K: x += K^-1 (b - K x).
 
 #include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -15,10 +15,10 @@ void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors
 
 /// Memory for refining row-major panels of K.size() rows.
 struct PanelWork {
-  std::vector<double> B;  // right-hand sides; overwritten
-  std::vector<double> R;  // residuals, if they are checked
+  std::vector<double> B;  // right-hand sides, overwritten
+  std::vector<double> R;  // residuals, if the caller checks them
   std::vector<double> sums;
-  std::vector<char> nonzero;  // flags, at least one per row of K
+  std::vector<char> nonzero;  // scratch: at least one flag per row of K
   KktVectors column;
 };
 
