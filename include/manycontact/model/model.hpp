@@ -43,8 +43,8 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Eigen::VectorXd armature;  // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
-  // Every coordinate has the torque -damping v - friction tanh(v / kFrictionVelocity). nv entries, or empty if not
-  // modelled.
+  // Damping and friction: every coordinate has the torque -damping v - friction tanh(v / kFrictionVelocity). They have
+  // nv entries each, or none if they are not modelled.
   Eigen::VectorXd damping;   // N m s / rad, N s / m
   Eigen::VectorXd friction;  // N m, N: Coulomb friction, smoothed around zero velocity so that it is differentiable
   ModelNotes notes;

@@ -1,6 +1,5 @@
 #pragma once
-// The kernels of all modules, compiled once per SIMD level (src/core/simd/levels.cmake); one level is chosen at run
-// time.
+// The kernels of all modules, compiled once per SIMD level (src/core/simd/levels.cmake) and chosen at run time.
 
 #include <span>
 

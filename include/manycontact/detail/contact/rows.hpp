@@ -45,14 +45,13 @@ struct ContactSupport {
 };
 ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of `contact`
 
-/// Numbers of a pair: all contacts between the same two bodies, reduced to independent rows by B = Q R. B is the matrix
-/// that maps the bodies' relative motion, in the pair's frame A, to the rows of these contacts; Q has orthonormal
-/// columns.
+/// A pair: all contacts between the same two bodies, with rows reduced to independent ones by B = Q R. B maps the
+/// bodies' relative motion, in the pair's frame A, to the rows of these contacts; Q has orthonormal columns.
 template <class S>
 struct PairNumbers {
   // On the heap, since kernels for other SIMD levels, with other alignment, read these matrices.
   MatX<S> Q;              // (rows of all contacts) x rank, orthonormal columns
-  MatX<S> R;              // rank x 6, upper triangular factor of B
+  MatX<S> R;              // rank x 6: Q^T B
   MatX<S> R_right;        // 6 x rank, right inverse: R R_right = 1
   MatX<S> terms;          // rank x 2: magnitudes of the terms of R's rows, of displacements and of rotations
   std::vector<SE3<S>> A;  // one entry per contact: placement of its A in the pair's A

@@ -104,8 +104,9 @@ inline constexpr std::size_t kMostExchanged = 1 << 20;
 /// Closed loops: kMostDrift is the largest tolerance, and the largest constraint violation, relative to the largest
 /// moment arm. kNextPivot is the ratio of one tried pivot threshold to the one before.
 inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
-/// Closed loops: reweighting steps that bring entries of N for rows outside a dependence, at most 1e-2, below kRank;
-/// three steps suffice. kLeastWeight, relative to the usual weight, is for columns of J with entries in such rows only.
+/// Closed loops: most reweighting steps, of which three suffice to bring entries of N for rows outside a dependence
+/// from 1e-2 below kRank. kLeastWeight, relative to the usual weight, is for columns of J with entries only in such
+/// rows.
 inline constexpr int kReweighted = 4;
 inline constexpr double kLeastWeight = 1e-10;
 
@@ -145,8 +146,9 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// A pivot of K is proportional to a power of delta. Rounding changes this exponent by up to kExponentRounding eps of
 /// the pivot's terms, relative to the pivot. The sum of all exponents may differ from an integer by kExponentsLeft.
 inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
-/// Largest factor by which one projection reduces a random vector's part outside the null space, usually below 1e-3.
-/// Rows that exceed it are nearly dependent; the limit is 1 / (2 kPivotOfDependent) if pivots were not compared.
+/// Largest factor by which E (kkt/factor/proximal.hpp) may reduce what a random vector has outside the null space,
+/// usually below 1e-3. Above it, rows are nearly dependent. It is 1 / (2 kPivotOfDependent) if pivots were not
+/// compared.
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// Entry of projected random vectors below which a row is in no null vector: 1000 times the entry's rounding error.

@@ -13,7 +13,7 @@
 
 namespace manycontact {
 
-/// Scratch memory that successive factorizations of different islands share.
+/// Scratch memory for factorizations, which successive factorizations share.
 struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;                      // magnitudes of the pivots' terms
