@@ -38,8 +38,8 @@ inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, O
 std::string to_string(Order order);                               // "leaf-to-root"
 std::optional<Order> order_from_string(const std::string& name);  // the order with that name, or none
 
-/// How an island is solved. The method is never kAuto. K is assembled in this order, in which methods with has_order
-/// also eliminate.
+/// How an island is solved; the method is never kAuto. K is assembled in `order`. Methods with has_order eliminate in
+/// it.
 struct Choice {
   Method method = Method::kSparseLdl;
   Order order = Order::kLeafToRoot;

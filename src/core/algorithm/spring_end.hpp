@@ -13,7 +13,7 @@ struct SpringEnd {
   Vec3<S> velocity() const { return add_cross(body.template head<3>(), body.template tail<3>(), p); }
 };
 
-/// Computes an end of a spring. kin: kinematics of the end's robot; not used for an end in the world.
+/// Computes one end of a spring. kin: kinematics of the end's robot; not used for an end in the world.
 template <class S>
 SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   SpringEnd<S> end;

@@ -56,7 +56,7 @@ struct FreeGroups {
   std::vector<FreeJoint> joints;  // free joints in the scene's order
   std::vector<int> first_body;    // one entry per robot: the number of its first body
   std::vector<int> node;          // one per body: its node, the bodies connected rigidly or by ordinary joints
-  std::vector<int> group;         // one entry per node: the number of its group
+  std::vector<int> group;         // one entry per node: the number of its group, an index in `groups`
   std::vector<FreeGroup> groups;  // one entry per node; used if the node's number is that of a group
   bool any = false;               // whether any group is free (not tied)
   bool nested = false;            // whether any free joint is attached to a body that moves

@@ -104,9 +104,8 @@ inline constexpr std::size_t kMostExchanged = 1 << 20;
 /// Closed loops: kMostDrift is the largest tolerance, and the largest constraint violation, relative to the largest
 /// moment arm. kNextPivot is the ratio of one tried pivot threshold to the one before.
 inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
-/// Closed loops: most reweighting steps, of which three suffice to bring entries of N for rows outside a dependence
-/// from 1e-2 below kRank. kLeastWeight, relative to the usual weight, is for columns of J with entries only in such
-/// rows.
+/// Closed loops: most reweighting steps. Three suffice to bring entries of N for rows outside a dependence from 1e-2
+/// below kRank. kLeastWeight, relative to the usual weight, is for columns with entries in such rows only.
 inline constexpr int kReweighted = 4;
 inline constexpr double kLeastWeight = 1e-10;
 
@@ -146,9 +145,8 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// A pivot of K is proportional to a power of delta. Rounding changes this exponent by up to kExponentRounding eps of
 /// the pivot's terms, relative to the pivot. The sum of all exponents may differ from an integer by kExponentsLeft.
 inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
-/// Largest factor by which E (kkt/factor/proximal.hpp) may reduce what a random vector has outside the null space,
-/// usually below 1e-3. Above it, rows are nearly dependent. It is 1 / (2 kPivotOfDependent) if pivots were not
-/// compared.
+/// Largest factor by which E (kkt/factor/proximal.hpp) may reduce the part of a vector outside the null space, usually
+/// 1e-3. Above this, rows are nearly dependent. If pivots were not compared, it is 1 / (2 kPivotOfDependent).
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// Entry of projected random vectors below which a row is in no null vector: 1000 times the entry's rounding error.
@@ -304,8 +302,7 @@ inline constexpr double kCheaper = 0.9;
 /// the coordinates' columns of J, relative to the rows' lengths. The second value is used if its order is cheaper.
 inline constexpr double kDistinct[] = {1e-2, 1e-3};
 
-/// At most 1 / kZeros of a relaxed supernode's entries are zeros; columns with fewer than kShort entries are not
-/// joined.
+/// At most 1 / kZeros of a relaxed supernode's entries are zeros. Columns with fewer than kShort entries get no zeros.
 inline constexpr int kZeros = 12, kShort = 16;
 
 }  // namespace manycontact::tolerance

@@ -27,7 +27,7 @@ inline Two load(const double* x) {
 
 inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
 
-/// y += x
+/// Computes y += x.
 [[gnu::always_inline]] inline void add(const Vec6<double>& x, Vec6<double>& y) {
   for (int k = 0; k < 6; k += 2) store(load(y.data() + k) + load(x.data() + k), y.data() + k);
 }

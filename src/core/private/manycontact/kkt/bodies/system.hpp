@@ -32,8 +32,8 @@ struct BodySystem {
 
 /// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g), in the order motion, force, joints, rows.
 struct BodyVectors {
-  std::vector<Vec6<double>> motion, force;  // one entry per node
-  Eigen::VectorXd joints, rows;             // nv, nc
+  std::vector<Vec6<double>> motion, force;  // one entry per node: a or c (motion), f or p (force)
+  Eigen::VectorXd joints, rows;             // nv: qdd or tau; nc: y or g
 
   void resize(const BodyPattern& p);
   void set_zero();
