@@ -13,7 +13,7 @@ constexpr int kColumns = 4;  // columns that CHOLMOD's LDL' solves for at once
 
 struct CholmodSymbolic::Impl {
   CholmodCommon common;
-  cholmod_factor* factor = nullptr;  // symbolic, in the natural order
+  cholmod_factor* factor = nullptr;  // symbolic factor, in the given order
   UpperCsc pattern;
   double nonzeros = 0;
 
@@ -42,7 +42,7 @@ struct Cholmod::Impl {
   const CholmodSymbolic::Impl& symbolic;
   CholmodCommon common;
   cholmod_factor* factor = nullptr;
-  cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // solve2's result and workspace
+  cholmod_dense *X = nullptr, *Y = nullptr, *E = nullptr;  // result and workspace of cholmod_solve2
 
   explicit Impl(std::shared_ptr<const CholmodSymbolic> s) : shared(std::move(s)), symbolic(*shared->impl_) {}
   Impl(const Impl&) = delete;
@@ -53,7 +53,7 @@ struct Cholmod::Impl {
 
   void allocate() {
     const std::size_t n = symbolic.pattern.n;
-    factor = cholmod_copy_factor(symbolic.factor, &common);  // only reads the shared factor
+    factor = cholmod_copy_factor(symbolic.factor, &common);  // CHOLMOD only reads the shared symbolic factor
     common.check(factor != nullptr, "copy of a symbolic factor");
     common.check(cholmod_change_factor(CHOLMOD_REAL, false, false, false, true, factor, &common), "numeric factor");
     common.check(cholmod_allocate_work(n, 2 * n, n, &common), "workspace");
@@ -63,14 +63,14 @@ struct Cholmod::Impl {
     }
   }
 
-  // cholmod_solve2 reuses a matrix of exactly the required shape, and reallocates others.
+  // Gives a matrix the required shape: cholmod_solve2 reuses only matrices of this shape, and reallocates others.
   static void shape(cholmod_dense* matrix, std::size_t rows, std::size_t cols) {
     if (!matrix || rows * cols > matrix->nzmax) return;
     matrix->nrow = matrix->d = rows;
     matrix->ncol = cols;
   }
 
-  // cols <= kColumns
+  // Solves for at most kColumns columns.
   void solve_some(double* columns, std::size_t cols) {
     const std::size_t n = symbolic.pattern.n;
     shape(X, n, cols);

@@ -1,5 +1,5 @@
 #pragma once
-// Definitions for all calls of CHOLMOD, whose names collide with others: sources that include it compile separately.
+// Definitions for all calls of CHOLMOD. Names in cholmod.h collide with others: sources with this header compile alone.
 
 #include <cholmod.h>
 
@@ -21,7 +21,7 @@ struct CholmodCommon : cholmod_common {
     final_ll = 0;
     supernodal = CHOLMOD_SIMPLICIAL;
     nmethods = 1;
-    grow2 = 0;  // columns of L get the memory they need, no more
+    grow2 = 0;  // columns of L get exactly the memory that they need
   }
   CholmodCommon(const CholmodCommon&) = delete;
   ~CholmodCommon() { cholmod_finish(this); }
@@ -33,7 +33,7 @@ struct CholmodCommon : cholmod_common {
   }
 };
 
-/// A view of a symmetric matrix, which CHOLMOD's LDL' works on without copying it; Ax: nullptr for the pattern alone.
+/// A view of a symmetric matrix for CHOLMOD's LDL', without a copy. Ax: values; nullptr for the pattern alone.
 inline cholmod_sparse view_of(const UpperCsc& A, const double* Ax) {
   cholmod_sparse out{};
   out.nrow = out.ncol = A.n;

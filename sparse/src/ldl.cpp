@@ -1,6 +1,6 @@
 #include "manycontact/sparse/ldl.hpp"
 
-extern "C" {  // LDL 2.2 has no C++ guard of its own
+extern "C" {  // LDL 2.2's header has no extern "C"
 #include <ldl.h>
 }
 
@@ -14,7 +14,7 @@ extern "C" {  // LDL 2.2 has no C++ guard of its own
 namespace manycontact::sparse {
 
 namespace {
-// SuiteSparse's C interfaces take their constant arguments as pointers to non-const.
+// Casts away const: SuiteSparse's C interfaces take constant arguments as pointers to non-const.
 template <class T>
 T* c(const std::vector<T>& v) {
   return const_cast<T*>(v.data());
@@ -22,7 +22,7 @@ T* c(const std::vector<T>& v) {
 }  // namespace
 
 void LdlWorkspace::reserve(const LdlSymbolic& s) {
-  // each separately, since an earlier call may have run out of memory between them
+  // test each array: an earlier call may have run out of memory between them
   const auto grow = [](auto& array, std::size_t size) {
     if (array.size() < size) array.resize(size);
   };
@@ -32,8 +32,8 @@ void LdlWorkspace::reserve(const LdlSymbolic& s) {
 
 namespace {
 
-// Parents in the elimination tree, and the numbers of entries of L's columns: row k of L is the union of the paths from
-// the entries of column k of A towards k. Throws TooLarge if L and its index arrays exceed the memory.
+// Computes parents in the elimination tree, and numbers of entries of L's columns. Row k of L is the union of the paths
+// from the entries of column k of A towards k. Throws TooLarge if L and its index arrays exceed the memory.
 void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
   constexpr double kBytes = 64;  // bytes per entry of L: values, patterns in three orders, schedule
   double nonzeros = 0;
@@ -93,7 +93,7 @@ void list_rows(LdlSymbolic& L) {
 
 namespace {
 
-// Moves the entries that LDL packed at a column's beginning to their slots; relaxed supernodes have zeros in between.
+// Moves each column's entries to their slots: LDL packs them at its start, but relaxed supernodes have zeros between.
 void spread_columns(const LdlSymbolic& s, const LdlWorkspace& w, double* Lx) {
   for (int j = 0; j < s.n; ++j) {
     int from = s.Lp[j] + w.Lnz[j], to = s.Lp[j + 1];
@@ -114,9 +114,9 @@ int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWor
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* least, LdlWorkspace& w,
                         double* Lx, double* D, double* scale) {
   w.reserve(s);
-  double* y = w.Y.data();  // need not be initialised: between rows, entry j is zero from step j on
+  double* y = w.Y.data();  // not initialised: step j leaves entry j zero for the rows after
   for (int k = 0; k < s.n; ++k) {
-    // row k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k)
+    // Solve for row l_k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k).
     for (int p = A.p[k]; p < A.p[k + 1]; ++p) y[A.i[p]] = Ax[p];
     double d = y[k], terms = std::abs(d);
     y[k] = 0;
@@ -149,12 +149,12 @@ void pivot_terms(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, cons
 }
 
 double ldl_rounding(const LdlSymbolic& s) {
-  int of_row = 0, of_column = 0;  // most entries
+  int of_row = 0, of_column = 0;  // largest numbers of entries in a row and in a column
   for (int k = 0; k < s.n; ++k) {
     of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
     of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);
   }
-  // two roundings per product of an entry, one per product of a row of each sweep, and a few for the divisions
+  // counts two roundings per product of an entry, one per product of a row in each sweep, some for divisions
   return (2 * of_row + of_column + 8) * std::numeric_limits<double>::epsilon() / 2;
 }
 

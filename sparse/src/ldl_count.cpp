@@ -15,7 +15,7 @@ LdlCounts ldl_count(const UpperCsc& A) {
   const bool ran = cholmod_analyze_ordering(&pattern, CHOLMOD_NATURAL, nullptr, nullptr, 0, parent.data(),
                                             postorder.data(), below.data(), first.data(), level.data(), &common);
   common.check(ran, "counts of a factor");
-  for (int& entries : below) --entries;  // the diagonal is not counted
+  for (int& entries : below) --entries;  // the diagonal does not count
   const std::vector<char> nested = nearly_nested(parent, below);
   for (int j = 0; j < A.n; ++j) {
     const double entries = below[j];

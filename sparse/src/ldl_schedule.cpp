@@ -6,7 +6,7 @@ namespace manycontact::sparse {
 
 namespace {
 
-// Divides the columns into blocks, none of which has columns on both sides of `border`.
+// Divides the columns into blocks; no block has columns on both sides of `border`.
 void find_blocks(const LdlSymbolic& s, int border, std::vector<int>& block) {
   block.assign(1, 0);
   for (int k = 0; k < s.n; ++k)
@@ -29,13 +29,13 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     if (!set[slot]) out.fill.push_back(slot);
 }
 
-// Adds the group of columns first+c ... first+c+high-1 of a block of `width` columns.
+// Adds the group of rows first+c ... first+c+high-1 of x, in a block of `width` columns.
 void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
   LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
                            static_cast<int>(out.packed.size())};
   const int below = s.Lp[first + width] - s.Lp[first + width - 1];
   const int* rows = s.Li.data() + s.Lp[first + width - 1];
-  const auto add_row = [&](int of_block) {  // of_block: row number in the block
+  const auto add_row = [&](int of_block) {  // of_block: row number within the block
     for (int i = c; i < c + high; ++i) out.packed.push_back(of_block > i ? s.Lp[first + i] + of_block - i - 1 : -1);
   };
   const auto add_segment = [&](int row) {
@@ -61,11 +61,11 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets of the rows below a block from row `begin` on: T's own columns first, then the rows below T.
+// Finds the targets of rows begin, begin + 1, ... below a block: T's own columns first, then the rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();
-  int next = 0;  // index among T's rows below
+  int next = 0;  // index among the rows below T
   for (int b = begin; b < count; ++b) {
     int local = rows[b] - T_first;
     if (local >= T_width) {

@@ -36,7 +36,7 @@ void LargeMemory::reserve(std::size_t count) {
   data_.reset(static_cast<double*>(std::aligned_alloc(align, bytes)));
   if (!data_) throw std::bad_alloc();
 #ifdef MADV_HUGEPAGE
-  if (align == kPage) (void)madvise(data_.get(), bytes, MADV_HUGEPAGE);  // a hint
+  if (align == kPage) (void)madvise(data_.get(), bytes, MADV_HUGEPAGE);  // only a hint
 #endif
   size_ = count;
 }

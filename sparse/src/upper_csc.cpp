@@ -32,7 +32,7 @@ UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries) {
   at.assign(A.p.begin(), A.p.end() - 1);
   for (int i = 0; i < n; ++i)
     for (int k = begin[i]; k < begin[i + 1]; ++k) row[at[column[k]]++] = i;
-  int count = 0;  // entries without repetitions
+  int count = 0;  // number of entries without repetitions
   for (int j = 0, from = 0; j < n; ++j) {
     const int end = A.p[j + 1], first = count;
     for (; from < end; ++from)

@@ -1,6 +1,6 @@
 #pragma once
-// Configurations of a scene, one robot or a model (model/rigid_bodies.hpp), and operations on their manifold. q has nq
-// entries [m, rad, unit quaternions], v has nv entries [m, rad]. All functions are thread-safe and take linear time.
+// Configurations q of a scene, one robot or a model (model/rigid_bodies.hpp), and operations on their manifold. q has
+// nq entries [m, rad, unit quaternions], v has nv entries [m, rad]. All functions are thread-safe and take linear time.
 // They throw std::invalid_argument for wrong sizes, and for configurations that solve would refuse.
 
 #include <random>
@@ -12,8 +12,8 @@ namespace manycontact {
 /// The configuration with all joints at zero and floating bases at Robot::base.
 Eigen::VectorXd neutral(const RigidBodies& bodies);
 
-/// Samples a configuration uniformly within the joints' limits. Without limits, angles are within +-pi and
-/// displacements within +-1 m; with one limit, values are within that range from it. Floating bases are within +-1 m of
+/// Samples a configuration uniformly within the joints' limits. Coordinates without limits are within +-pi or +-1 m; a
+/// coordinate with one limit is at most 2 pi or 2 m away from this limit. Floating bases are within +-1 m of
 /// Robot::base, with any orientation.
 Eigen::VectorXd random_configuration(const RigidBodies& bodies, std::mt19937& generator);
 
@@ -28,7 +28,7 @@ Eigen::VectorXd integrate(const RigidBodies& bodies, const ConstVectorRef& q, co
 void difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1, VectorRef out);
 Eigen::VectorXd difference(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1);
 
-/// Computes q0 (+) share (q1 (-) q0), which is q0 for share = 0 and q1 for share = 1, with constant velocity between.
+/// Computes q0 (+) share (q1 (-) q0): q0 for share = 0, q1 for share = 1, with constant velocity in between.
 Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstVectorRef& q0, const ConstVectorRef& q1,
                             double share);
 
@@ -36,14 +36,14 @@ Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstVectorRef& q0,
 struct IntegrateDerivatives {
   Eigen::MatrixXd dq, dv;
 };
-/// Computes both derivatives of integrate(bodies, q, v). Allocates dense matrices.
+/// Computes both derivatives of integrate(bodies, q, v) as dense matrices; allocates.
 IntegrateDerivatives integrate_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v);
 
 /// The derivatives of q1 (-) q0 with respect to q0 and q1, nv x nv each, on the tangent spaces at q0 and q1.
 struct DifferenceDerivatives {
   Eigen::MatrixXd dq0, dq1;
 };
-/// Computes both derivatives of difference(bodies, q0, q1). Allocates dense matrices.
+/// Computes both derivatives of difference(bodies, q0, q1) as dense matrices; allocates.
 DifferenceDerivatives difference_derivatives(const RigidBodies& bodies, const ConstVectorRef& q0,
                                              const ConstVectorRef& q1);
 

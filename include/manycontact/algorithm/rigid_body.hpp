@@ -1,6 +1,6 @@
 #pragma once
-// Dynamics and kinematics of robots without contacts, in double precision, much as in Pinocchio. The first argument is
-// a scene, one of its robots, or a model (model/rigid_bodies.hpp).
+// Dynamics and kinematics of robots without contacts, in double precision, much as in Pinocchio. The first argument of
+// a function is a scene, one robot of a scene, or a model (model/rigid_bodies.hpp).
 //
 //     RigidBodyData data(scene);
 //     const Eigen::VectorXd& tau = rnea(scene, q, v, a, data);
@@ -12,13 +12,13 @@
 //     M(q) a + h(q, v) = tau + sum J^T fext        h = C(q, v) v + g(q) - tau_f(v) - tau_s(q)
 //
 // The armature is on the diagonal of M. The term tau_f is the damping and friction of joints, if the model has them
-// (Model::damping); tau_s is the torque of the springs in joints of a scene (Scene::joint_springs), as in solve. The
-// argument fext contains njoints forces on the bodies, robot by robot, each in its joint's child frame, or is empty. In
-// derivatives, each force is fixed to its body. `forces_on_bodies` (contact/jacobian.hpp) computes the forces of
-// contacts, external wrenches and springs between points.
+// (Model::damping); tau_s is the torque of the scene's joint springs (Scene::joint_springs). The argument fext has one
+// force per joint, robot by robot, each on the joint's body in its child frame, or is empty. In derivatives, each force
+// is fixed to its body. `forces_on_bodies` (contact/jacobian.hpp) computes the forces of contacts, external wrenches
+// and springs between points.
 //
-// State of the data: each algorithm stores its q, its v (zero if it takes none) and its a (zero if it takes none). The
-// functions under "at the state of the data" refer to that state.
+// State of the data: each algorithm stores the q, v and a that it was called with, and zero for a missing v or a. The
+// functions under "at the state of the data" use these stored values.
 //
 // Lifetime: returned references remain valid until the next call of the same function. Threads: all functions are
 // thread-safe for distinct data. Memory: after the first call, only functions that return a value allocate. Errors: all
@@ -35,10 +35,10 @@ namespace internal {
 struct RigidBodyMemory;
 }
 
-struct RigidBodyData {                                // State and workspace of these functions; one per thread.
+struct RigidBodyData {                                // Workspace and state of the functions; one per thread.
   explicit RigidBodyData(const RigidBodies& bodies);  // makes data at the neutral configuration, at rest
   ~RigidBodyData();
-  RigidBodyData(RigidBodyData&&) noexcept;  // the moved-from data belong to no robots
+  RigidBodyData(RigidBodyData&&) noexcept;  // afterwards the moved-from data belong to no robots
   RigidBodyData& operator=(RigidBodyData&&) noexcept;
 
   std::unique_ptr<internal::RigidBodyMemory> memory;
@@ -46,14 +46,14 @@ struct RigidBodyData {                                // State and workspace of 
 
 // ---- dynamics ------------------------------------------------------------------------------------------------------
 
-using ForcesOnBodies = std::span<const Vec6<double>>;  // njoints of them, or none
+using ForcesOnBodies = std::span<const Vec6<double>>;  // one force per joint (njoints), or an empty span
 
 /// Computes the torques tau = M a + h - sum J^T fext (nv) [N m, N] that cause the accelerations a (inverse dynamics).
 /// The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& rnea(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                             const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
-/// Compute h(q, v), and g(q) - tau_s(q), the torques (nv) [N m, N] that compensate gravity and springs. The references
-/// remain valid until the next call of the same function. They throw std::invalid_argument for wrong sizes.
+/// Compute h(q, v), and the torques g(q) - tau_s(q) that compensate gravity and springs (nv each) [N m, N]. A reference
+/// remains valid until the next call of its function. Both functions throw std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& nonlinear_effects(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                                          RigidBodyData& data);
 const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
@@ -62,20 +62,20 @@ const Eigen::VectorXd& gravity_torques(const RigidBodies& bodies, const ConstVec
 /// Throws std::invalid_argument for wrong sizes.
 const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                            const ConstVectorRef& tau, RigidBodyData& data, ForcesOnBodies fext = {});
-/// Computes M (nv x nv), symmetric, with zero blocks between robots. Cost: nv^2 memory. Throws std::length_error for
-/// trees too deep for it, std::invalid_argument for a wrong size.
+/// Computes the inertia matrix M (nv x nv), symmetric, with zero blocks between robots. Memory: nv^2 numbers. Throws
+/// std::length_error for trees that are too deep, std::invalid_argument for a wrong size.
 const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
 /// Computes M^-1 X for a matrix X with nv rows, with the factorization M = L^T D L along the trees. Neither M nor its
 /// inverse is formed. Rows of robots whose M is singular are NaN. Throws std::invalid_argument for wrong sizes.
 Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstVectorRef& q,
                                       const Eigen::Ref<const Eigen::MatrixXd>& X, RigidBodyData& data);
-/// Computes C (nv x nv), with Christoffel symbols, so that dM/dt - 2 C is skew-symmetric. Cost: nv^2 memory. Throws
-/// std::invalid_argument for wrong sizes. Source: Echeandia, Wensing, Numerical methods to compute the Coriolis matrix
-/// and Christoffel symbols for rigid-body systems, J. Comput. Nonlinear Dynam. 16 (2021).
+/// Computes the Coriolis matrix C (nv x nv) by Christoffel symbols, so that dM/dt - 2 C is skew-symmetric. Memory: nv^2
+/// numbers. Throws std::invalid_argument for wrong sizes. Source: Echeandia, Wensing, Numerical methods to compute the
+/// Coriolis matrix and Christoffel symbols for rigid-body systems, J. Comput. Nonlinear Dynam. 16 (2021).
 Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                                 RigidBodyData& data);
 
-/// The derivatives of rnea's tau, nv x nv each. Those with respect to q are on the tangent space.
+/// The derivatives of rnea's tau with respect to q, v and a (nv x nv each); dq is on the tangent space.
 struct TorqueDerivatives {
   Eigen::MatrixXd dq, dv, da;
 };
@@ -83,7 +83,7 @@ struct TorqueDerivatives {
 /// valid until the next call. Throws std::invalid_argument for wrong sizes.
 const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                                           const ConstVectorRef& a, RigidBodyData& data, ForcesOnBodies fext = {});
-/// The derivatives of aba's a, nv x nv each. Those with respect to q are on the tangent space; dtau is M^-1.
+/// The derivatives of aba's a with respect to q, v and tau (nv x nv each); dq is on the tangent space, dtau is M^-1.
 struct AccelerationDerivatives {
   Eigen::MatrixXd dq, dv, dtau;
 };
@@ -95,7 +95,7 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
 
 // ---- state ---------------------------------------------------------------------------------------------------------
 
-/// Sets the state of the data to q, v and a (zero if not given). Throws std::invalid_argument for wrong sizes.
+/// Sets the state of the data to q, v and a; a missing v or a is zero. Throws std::invalid_argument for wrong sizes.
 void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, RigidBodyData& data);
 void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, const ConstVectorRef& v,
                         RigidBodyData& data);
@@ -127,8 +127,8 @@ Vec6<double> frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& d
                                      ReferenceFrame axes = ReferenceFrame::kLocal);
 
 // ---- quantities of the whole, at the state of the data -------------------------------------------------------------
-// They refer to all bodies that move, in the world's axes. Bodies merged into a fixed base are not part of a model.
-// Results are NaN if there is no mass.
+// All bodies that move contribute, in the world's axes. Bodies merged into a fixed base are not part of a model.
+// Results are NaN if the total mass is zero.
 
 /// The total mass of the moving bodies [kg].
 double total_mass(const RigidBodies& bodies);
@@ -140,24 +140,23 @@ Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& d
 Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);
 /// The Jacobian J (3 x nv) of the centre of mass: its velocity is J v. Allocates the result.
 Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);
-/// Momentum about the centre of mass, linear [N s] and angular [N m s], and the matrix A (6 x nv) with momentum = A v.
-/// The rate is dA/dt v + A a [N, N m], which equals the sum of all external forces about the centre of mass. Rotors
-/// (armature) do not contribute.
+/// Compute momentum about the centre of mass, linear [N s] and angular [N m s]; the matrix A (6 x nv) with momentum = A
+/// v; and the rate dA/dt v + A a [N, N m]. The rate equals the sum of all external wrenches about the centre of mass.
+/// Rotors (armature) do not contribute.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);
 Vec6<double> centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data);
-/// Kinetic energy [J], rotors included, and potential energy [J] of weight, zero at the world's origin, and of the
-/// springs in joints.
+/// Compute the kinetic energy [J], rotors included, and the potential energy [J] of weight and joint springs. The
+/// energy of weight is zero at the world's origin.
 double kinetic_energy(const RigidBodies& bodies, RigidBodyData& data);
 double potential_energy(const RigidBodies& bodies, const RigidBodyData& data);
 
 // ---- joints --------------------------------------------------------------------------------------------------------
 
 /// The wrench that a joint transmits to its child body: force [N] and moment [N m], in the child frame and about its
-/// origin. It was computed by the last rnea, nonlinear_effects or gravity_torques. The child is that of the file, for
-/// any root link. The component along the joint is tau without the rotor's inertia, friction and spring. External
-/// forces are included if rnea had them as fext: forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error after
-/// any other function.
+/// origin, from the last rnea, nonlinear_effects or gravity_torques. The child is that of the file, for any root link.
+/// The component along the joint is tau without the rotor's inertia, friction and spring. External forces count if rnea
+/// had them as fext, see forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error after any other function.
 Vec6<double> joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint);
 
 }  // namespace manycontact

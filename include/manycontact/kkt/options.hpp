@@ -1,56 +1,55 @@
 #pragma once
-// Options of a solve: methods, elimination orders, SIMD instructions and threads.
+// Options of a solve: method, elimination order, precision, SIMD instructions and threads.
 
 #include <optional>
 #include <string>
 
 namespace manycontact {
 
-/// Methods for an island's system.
+/// Methods that solve the KKT system of an island (a set of robots connected by contacts).
 enum class Method {
-  kDense,           // rank-revealing, per island: the dense reference solver
-  kDenseSchur,      // the whole scene as one system, LLT of M and of J M^-1 J^T, as in Crocoddyl: the baseline
-  kSparseLdl,       // LDL^T of K by a compiled schedule, per island
+  kDense,           // rank-revealing dense factor, per island: the dense reference solver
+  kDenseSchur,      // the whole scene as one dense system, LLT of M and J M^-1 J^T, as in Crocoddyl: the baseline
+  kSparseLdl,       // LDL^T of K by a precompiled schedule, per island
   kSuiteSparseLdl,  // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
   kSparseCholmod,   // CHOLMOD's simplicial LDL^T of K, per island
-  kSparseBodies,    // accelerations of bodies and forces of joints are kept as unknowns, per island: linear in the
-                    // depth of trees
-  kAuto,            // the sparse method and order of least predicted cost, per island
+  kSparseBodies,    // also keeps accelerations of bodies and forces of joints as unknowns, per island; cost linear in
+                    // the depth of trees
+  kAuto,            // the sparse method and elimination order of least predicted cost, per island
 };
 inline constexpr Method kMethods[] = {
     Method::kDense,         Method::kDenseSchur,   Method::kSparseLdl, Method::kSuiteSparseLdl,
     Method::kSparseCholmod, Method::kSparseBodies, Method::kAuto};
 std::string to_string(Method method);  // "sparse-ldl"
-/// The method with the given name, as to_string writes it; none if there is no such method.
+/// The method that to_string writes with this name; none if there is no such method.
 std::optional<Method> method_from_string(const std::string& name);
 /// Whether a method eliminates the rows of K in an order that can be chosen.
 constexpr bool has_order(Method m) {
   return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
 }
 
-/// The place of the constraint rows in the elimination order. Joints are eliminated leaves first: M has no fill-in.
+/// The position of contact rows in the elimination order of K. Joints are eliminated leaves first: M has no fill-in.
 enum class Order {
-  kLeafToRoot,     // contacts last; accurate whenever J has full rank
-  kContactsEarly,  // a contact as soon as the joints that move it in all its directions are eliminated; less fill-in
+  kLeafToRoot,     // all contacts last; accurate if J has full rank
+  kContactsEarly,  // each contact once joints that move it in all its directions are eliminated; less fill-in
   kCamd,           // SuiteSparse's CAMD, all joints before all contacts
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
 std::string to_string(Order order);                               // "leaf-to-root"
 std::optional<Order> order_from_string(const std::string& name);  // the order with that name, or none
 
-/// How an island is solved. The method is never kAuto. K is assembled in the given order, and eliminated in that order
-/// if the method has one.
+/// How an island is solved; the method is never kAuto. K is assembled in `order`. Methods with has_order eliminate in
+/// it.
 struct Choice {
   Method method = Method::kSparseLdl;
   Order order = Order::kLeafToRoot;
 };
 
-/// The SIMD instructions with which several robots are solved at a time: 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512).
+/// SIMD instructions that solve several robots at a time: 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) robots.
 ///
-/// The robots of a batch have the same kinematic structure. Islands of one robot are batched as a whole by sparse-ldl.
-/// Islands of several robots are batched robot by robot by sparse-ldl, if this is cheaper. With sparse-bodies, the
-/// subtrees between constrained bodies are batched. A level that is not compiled in, or not supported by the processor,
-/// is treated as kOff.
+/// The robots of a batch have the same kinematic structure. With sparse-ldl, islands of one robot are batched as a
+/// whole, and islands of several robots robot by robot if this is cheaper. With sparse-bodies, subtrees between
+/// constrained bodies are batched. A level that is not compiled in, or that the processor lacks, acts as kOff.
 enum class SimdLevel {
   kAuto,  // the widest level that this processor supports
   kOff,   // no batches: one robot or subtree at a time
@@ -63,41 +62,42 @@ inline constexpr SimdLevel kSimdLevels[] = {SimdLevel::kAuto, SimdLevel::kOff, S
 std::string to_string(SimdLevel lanes);  // "auto", "off", "baseline", "avx2", "avx512"
 std::optional<SimdLevel> simd_level_from_string(const std::string& name);  // the level with that name, or none
 
-/// The arithmetic of a solve: of the terms of K and of the right-hand side, of its factor, and of the residuals of
+/// The number formats of a solve, in this order: terms of K and of the right-hand side; factor of K; residuals of
 /// iterative refinement. Derivatives and products at the solution are always computed in double.
 enum class Precision {
-  kSingle,    // float, float, float, not refined: errors of about 1e-7 times the condition of K
-  kDouble,    // double throughout
-  kExtended,  // double-double, double, double-double: up to a condition of 1e15, errors of a and f of at most
-              // 4 eps of their largest entries; derivatives and products are those of kDouble at this solution
+  kSingle,    // float, float, no refinement: errors of about 1e-7 times the condition number of K
+  kDouble,    // double, double, double
+  kExtended,  // double-double, double, double-double. If cond(K) < 1e15, errors of a and f are at most 4 eps of
+              // their largest entries. Derivatives and products are those of kDouble at this solution.
 };
 inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kDouble, Precision::kExtended};
 std::string to_string(Precision precision);  // "single", "double", "extended"
-/// The precision with the given name, as to_string writes it; none if there is no such precision.
+/// The precision that to_string writes with this name; none if there is no such precision.
 std::optional<Precision> precision_from_string(const std::string& name);
 
 inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refused
 
 struct Options {  // How to solve.
   Method method = Method::kAuto;
-  std::optional<Order> order;  // used by methods with has_order; none: the order of least predicted cost
+  std::optional<Order> order;  // for methods with has_order; none: the order of least predicted cost
   SimdLevel simd_level = SimdLevel::kAuto;
-  /// Threads of OpenMP inside a call of solve, differentiate, jvp and vjp, kMostThreads at most. They work on islands,
-  /// on SIMD batches, and on the robots of a large island. 0 takes as many as OpenMP offers.
+  /// Threads of OpenMP, at most kMostThreads, inside a call of solve, differentiate, jvp or vjp. They share islands,
+  /// SIMD batches, and the robots of a large island. 0 takes as many threads as OpenMP offers.
   ///
   /// Results do not depend on the number of threads.
   int threads = 1;
-  /// Whether the constraint rows of several contacts between the same two bodies are reduced to at most six independent
-  /// rows before the factorization. All methods do so except kDense and kDenseSchur, if Scene::tolerance is zero and
-  /// the contacts are expressed in A's axes. If false, dependent rows are found in K instead.
+  /// Whether the rows of several contacts between the same two bodies are reduced to at most six independent rows
+  /// before the factorization. This requires a Scene::tolerance of 0 and contacts in A's axes. Dependent rows that are
+  /// not reduced are found in K. Methods kDense and kDenseSchur never reduce rows.
   bool reduce_pairs = true;
-  /// Islands that cannot be solved in this precision are solved in kDouble. IslandReport::precision shows which was
-  /// used, and IslandReport::reason is kLowPrecision unless the island has another reason.
+  /// The precision of the solve. Islands that this precision cannot solve are solved in kDouble.
+  /// IslandReport::precision is the precision used. IslandReport::reason is then kLowPrecision, unless there is another
+  /// reason.
   ///
-  /// kSingle requires islands of one robot that sparse-ldl solves in SIMD batches, without dependent rows and without
-  /// two contacts between the same bodies. It is refused if rounding errors may change the largest acceleration or
-  /// force by more than 1 %. Derivatives, products and error bounds are computed in double at the solution; those of
-  /// kSingle are therefore as accurate as its accelerations and forces.
+  /// kSingle requires islands of one robot that sparse-ldl solves in SIMD batches, without dependent rows or two
+  /// contacts between the same bodies. A kSingle solution is rejected if rounding may change the largest acceleration
+  /// or force by more than 1 %. Derivatives, products and error bounds are computed in double at the solution, so those
+  /// of kSingle are as accurate as its accelerations and forces.
   Precision precision = Precision::kDouble;
   bool operator==(const Options&) const = default;
 };

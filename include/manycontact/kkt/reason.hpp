@@ -8,11 +8,11 @@ namespace manycontact {
 enum class Reason {
   kNone,
   kZeroPivot,        // a pivot was zero or not finite
-  kWrongInertia,     // the signature of K was not (nv, nc, 0): numbers of positive, negative and zero eigenvalues
+  kWrongInertia,     // K did not have nv positive and nc negative eigenvalues
   kSmallPivot,       // a pivot was lost in cancellation: rows are dependent, or nearly so
-  kLargeResidual,    // iterative refinement did not reach a small residual
+  kLargeResidual,    // refinement did not reach a small residual
   kNotFinite,        // q, v or u is not finite, or K or the right-hand side overflowed
-  kDampingLost,      // regularised: the damping is below the rounding errors of K; the solution is that without damping
+  kDampingLost,      // the damping is below the rounding errors of K; the solution is that without damping
   kBadDamping,       // the scene's damping is negative or not finite
   kBadQuaternion,    // the norm of a quaternion in q differs from 1 by more than 1e-6
   kSingularInertia,  // M is singular, and the contacts do not constrain its null space

@@ -20,29 +20,29 @@ constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t =
 /// The number of coordinates that a joint has in v.
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
-/// Shorter vectors count as zero, since they may consist of rounding errors of files or of computed differences.
+/// Vectors shorter than this count as zero: they may be rounding errors of files or of computed differences.
 constexpr double kZeroDirection = 1e-9;
 
-/// One joint and the body that it moves. The joint frame is the child frame at q = 0.
+/// One joint and the body that it moves. Its joint frame is fixed to the parent; its child frame equals it at q = 0.
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
   int parent = -1;  // number of the parent joint; -1: the robot's base
   int idx_q = 0, idx_v = 0;
   SE3<double> placement;                      // placement of the joint frame in the parent joint's frame
-  Vec3<double> axis = Vec3<double>::UnitZ();  // unit, in the joint frame (revolute, prismatic)
-  Inertia<double> inertia;                    // inertia, fixed links included, in the child frame [kg, kg m, kg m^2]
+  Vec3<double> axis = Vec3<double>::UnitZ();  // unit vector in the joint frame (revolute, prismatic)
+  Inertia<double> inertia;                    // inertia of the body with its fixed links, in the child frame
   /// Limits, one value per velocity coordinate; infinite if the file has none.
   Eigen::VectorXd lower, upper;  // position [rad, m]; unused for floating joints
   Eigen::VectorXd velocity_limit, effort_limit;
-  bool actuated = true;  // whether the joint has torques in u; false: passive. A floating base never has
+  bool actuated = true;  // whether the joint has torques in u; always false for floating bases
 
   int nq() const { return joint_nq(type); }  // numbers in q
   int nv() const { return joint_nv(type); }  // numbers in v
 
   // Derived by finalize(Model&), to save work in the recursions.
-  int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any
-  bool placement_rotates = true;  // placement.R is not the identity
+  int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any other axis
+  bool placement_rotates = true;  // whether placement.R differs from the identity
 };
 
 }  // namespace manycontact

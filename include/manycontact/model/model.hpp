@@ -10,31 +10,31 @@
 
 namespace manycontact {
 
-/// A named frame that is fixed to a joint's body: a link, or a link merged behind fixed joints.
+/// A named frame fixed to a joint's body: a link of the file, or a link merged into that body through fixed joints.
 struct Frame {
   std::string name;
   int joint = -1;            // -1: fixed to the robot's base
   SE3<double> placement;     // placement in the joint's frame (in the base frame when joint = -1)
   bool merged = false;       // whether the link is attached to its joint's body by fixed or locked joints
-  Inertia<double> inertia;   // inertia of this link alone, in this frame; it is part of the joint's inertia already
-  std::string parent_joint;  // the joint of the file whose child is the link, fixed joints included; empty for the root
+  Inertia<double> inertia;   // inertia of this link alone, in this frame; the joint's inertia already contains it
+  std::string parent_joint;  // joint of the file whose child is the link; may be a fixed joint; empty for the root
 };
 
-/// Elements of the file that were merged, locked, or not modelled, for `inspect` and the summary.
+/// Elements of the file that were merged, locked, or not modelled, for `manycontact inspect` and the summary.
 struct ModelNotes {
-  std::vector<std::string> merged;    // fixed joints
-  std::vector<std::string> locked;    // frozen joints
-  std::vector<std::string> mimic;     // joints with <mimic> that are kept independent
+  std::vector<std::string> merged;    // names of fixed joints
+  std::vector<std::string> locked;    // names of joints frozen at a position
+  std::vector<std::string> mimic;     // names of joints with <mimic> that are kept independent
   std::vector<std::string> dynamics;  // joints whose <dynamics> damping or friction is not modelled
 };
 
-/// A tree of joints. With a floating base, all joints form one tree; each joint attached to a fixed base starts a tree.
+/// A tree of joints. With a floating base, all joints form one tree. Each joint attached to a fixed base starts a tree.
 struct Tree {
-  int root = 0;           // joint
-  std::vector<int> path;  // joints from the root to the anchor, the body with the origin of the tree frame
+  int root = 0;           // number of the first joint
+  std::vector<int> path;  // joints from the root to the anchor, the body that has the tree frame's origin
 };
 
-/// Below this speed Coulomb friction falls to zero instead of jumping [rad/s, m/s].
+/// Coulomb friction is smoothed below about this speed [rad/s, m/s], instead of jumping at zero.
 constexpr double kFrictionVelocity = 0.01;
 
 struct Model {  // A robot's joints, frames and inertias.
@@ -43,31 +43,31 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<Joint> joints;
   std::vector<Frame> frames;
   Eigen::VectorXd armature;  // nv, kg m^2 (kg for prismatic): reflected rotor inertia, on M's diagonal
-  // The torque -damping v - friction tanh(v / kFrictionVelocity) on every coordinate. nv entries, or empty if not
-  // modelled.
+  // Damping and friction: every coordinate has the torque -damping v - friction tanh(v / kFrictionVelocity). They have
+  // nv entries each, or none if they are not modelled.
   Eigen::VectorXd damping;   // N m s / rad, N s / m
   Eigen::VectorXd friction;  // N m, N: Coulomb friction, smoothed around zero velocity so that it is differentiable
   ModelNotes notes;
 
   // Derived by finalize.
   int nq = 0, nv = 0;
-  std::vector<int> actuated;     // coordinates with torques in u: all but those of floating bases, passive joints
-  std::vector<int> dof_parent;   // nv: the next coordinate towards the base, -1 at the base
-  std::vector<int> dof_joint;    // nv: its joint
-  std::vector<int> dof_depth;    // nv: number of ancestors
-  std::vector<int> subtree_end;  // one past the last joint of each joint's subtree when numbered depth first
+  std::vector<int> actuated;     // coordinates with torques in u: all except those of floating bases and passive joints
+  std::vector<int> dof_parent;   // nv: the next coordinate towards the base; -1: none
+  std::vector<int> dof_joint;    // nv: the coordinate's joint
+  std::vector<int> dof_depth;    // nv: the coordinate's number of ancestors
+  std::vector<int> subtree_end;  // one past the last joint of each joint's subtree; joints are numbered depth first
   std::vector<Tree> trees;       // sorted by their roots
   std::vector<int> tree_of;      // one entry per joint: the number of its tree
   std::vector<char> on_path;     // one entry per joint: whether it is on its tree's path
-  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (detail/algorithm/crba.hpp). It is empty if the
+  std::vector<int> M_begin;      // nv+1: start of row i of the packed M (detail/algorithm/crba.hpp). Empty if the
                              // tree is so deep that M has 2^31 entries or more.
-  /// The same object for models that are identical except for names, masses, placements, armatures, damping, friction
-  /// and limits. The analysis of one such model is valid for all of them.
+  /// Shared by models that are identical except for names, masses, placements, armatures, damping, friction and limits.
+  /// The analysis of one of these models is valid for all of them.
   std::shared_ptr<const struct ModelStructure> structure;
 
   int njoints() const { return static_cast<int>(joints.size()); }  // movable joints, the floating base included
-  int nu() const { return static_cast<int>(actuated.size()); }     // coordinates with a torque
-  /// the first coordinate that does not belong to a floating base
+  int nu() const { return static_cast<int>(actuated.size()); }     // number of coordinates with a torque
+  /// The first coordinate that does not belong to a floating base.
   int first_actuated() const { return floating_base ? 6 : 0; }
   /// The index of the frame with the given name, or -1.
   int find_frame(const std::string& frame_name) const;
@@ -79,21 +79,21 @@ struct Model {  // A robot's joints, frames and inertias.
   double mass() const;
 };
 
-/// Computes idx_q, idx_v and all derived fields from joints, frames and armature. An empty armature becomes zero.
-/// Throws std::invalid_argument if joints are not numbered depth first, parents before children, or if a vector of
-/// coefficients has a wrong size.
+/// Computes idx_q, idx_v and all derived fields from joints, frames and armature; an empty armature becomes zeros.
+/// Throws std::invalid_argument if joints are not numbered depth first, parents before children, or if armature,
+/// damping or friction has a wrong size.
 void finalize(Model& model);
 
-/// The number of entries of the packed M. Throws std::length_error if M_begin is empty.
+/// The number of entries of the packed M, all rows together. Throws std::length_error if M_begin is empty.
 std::size_t packed_size(const Model& model);
 
-/// Whether finalize has run since joints were added or removed.
+/// Whether finalize was called since joints were last added or removed.
 bool is_finalized(const Model& model);
 
 /// The neutral configuration (nq): zeros and unit quaternions.
 Eigen::VectorXd neutral(const Model& model);
 
-/// The name of a velocity coordinate: "knee", or "root[0]" for a joint with several coordinates.
+/// The name of velocity coordinate `dof`: "knee", or "root[0]" for a joint with several coordinates.
 std::string dof_name(const Model& model, int dof);
 
 }  // namespace manycontact

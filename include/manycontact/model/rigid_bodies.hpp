@@ -1,9 +1,9 @@
 #pragma once
 // The first argument of the functions in algorithm/rigid_body.hpp and algorithm/configuration.hpp: all robots of a
-// scene, one of them, or a model alone. It is a view, so that the scene or model must outlive it.
+// scene, one robot of it, or a model alone. It is a view, so that the scene or model must outlive it.
 //
-// q, v, tau and all other vectors contain the coordinates of these robots, one after the other. For a scene they are
-// the scene's; for one robot they are its own nq and nv numbers.
+// q, v, tau and all other vectors contain the coordinates of these robots, robot after robot. For a scene they have its
+// nq and nv entries, for one robot the nq and nv entries of this robot.
 
 #include <span>
 
@@ -11,11 +11,11 @@
 
 namespace manycontact {
 
-class RigidBodies {  // all robots of a scene, one of them, or a model alone
+class RigidBodies {  // all robots of a scene, one of its robots, or a model alone
  public:
   /// Selects all robots of a scene.
   RigidBodies(const Scene& scene) : scene_(&scene) {}
-  /// Selects one robot, with q and v of its own. Throws std::invalid_argument if there is no robot with that name.
+  /// Selects one robot. Vectors q and v are then its own. Throws std::invalid_argument for an unknown name.
   RigidBodies(const Scene& scene, const std::string& robot);
   /// Selects a model alone. base: placement of its base in the world. gravity: m/s^2. Throws std::invalid_argument if
   /// the model is not finalized.
@@ -26,38 +26,38 @@ class RigidBodies {  // all robots of a scene, one of them, or a model alone
   int nq() const;                                                                      // number of coordinates of q
   int nv() const;                                                                      // number of coordinates of v
   int njoints() const;  // movable joints, floating bases included
-  /// All springs in joints of the scene, those of other robots included. Empty for a model alone.
+  /// All joint springs of the scene, also those of other robots; empty for a model alone.
   std::span<const JointSpring> joint_springs() const {
     return scene_ ? std::span<const JointSpring>(scene_->joint_springs) : std::span<const JointSpring>();
   }
   /// The first robot's number in its scene; 0 for a model alone.
   int first() const { return first_; }
-  /// The first coordinate in q of one of robots().
+  /// The first coordinate in q of a robot of robots().
   int idx_q(const Robot& robot) const { return robot.idx_q - robots().front().idx_q; }
-  /// The first coordinate in v of one of robots().
+  /// The first coordinate in v of a robot of robots().
   int idx_v(const Robot& robot) const { return robot.idx_v - robots().front().idx_v; }
 
  private:
   const Scene* scene_ = nullptr;
-  int first_ = 0, count_ = -1;  // range of the scene's robots; -1: all
+  int first_ = 0, count_ = -1;  // range of the scene's robots; count_ -1: all robots
   std::optional<Robot> alone_;
   Vec3<double> gravity_;
 };
 
 /// A joint of a robot.
 struct BodyJoint {
-  int robot = 0, joint = 0;  // number of the robot in the scene (0 for a model alone), and of the joint in the model
+  int robot = 0, joint = 0;  // numbers of the robot in the scene (0: a model alone), and of the joint
 };
 
-/// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the link
-/// behind the joint with the given name, fixed joints included. Throws std::invalid_argument if there is no such name,
-/// and suggests the nearest one.
+/// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the child
+/// link of the joint with this name, which may be a fixed joint. Throws std::invalid_argument for an unknown name, and
+/// suggests the nearest name.
 Attachment find_frame(const RigidBodies& bodies, const std::string& name);
-/// Finds a joint by name: "r0/knee", or "knee" if there is only one robot. Throws std::invalid_argument if there is no
-/// such name, and suggests the nearest one.
+/// Finds a joint by name: "r0/knee", or "knee" if there is only one robot. Throws std::invalid_argument for an unknown
+/// name, and suggests the nearest name.
 BodyJoint find_joint(const RigidBodies& bodies, const std::string& name);
 
-/// All names, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.
+/// The names of all frames or joints, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.
 std::vector<std::string> frame_names(const RigidBodies& bodies);
 std::vector<std::string> joint_names(const RigidBodies& bodies);
 

@@ -1,5 +1,5 @@
 #pragma once
-// A scene: robots (instances of models), and the contacts among them and with the world, as plain data.
+// A scene as plain data: robots (instances of models), contacts among the robots and with the world, and loads.
 
 #include <memory>
 #include <optional>
@@ -14,7 +14,7 @@ namespace manycontact {
 struct Robot {  // One robot of a scene.
   std::string name;
   std::shared_ptr<const Model> model;
-  SE3<double> base;  // placement of the base in the world: of a fixed base, and of a floating base in neutral(scene)
+  SE3<double> base;  // placement of the base in the world; for a floating base, its placement in neutral(scene)
   int idx_q = 0, idx_v = 0, idx_u = 0;  // index of the first coordinate in the scene's q, v, u
 };
 
@@ -31,7 +31,7 @@ enum class ReferenceFrame {
   LOCAL_WORLD_ALIGNED = kLocalWorldAligned
 };
 
-constexpr int contact_rows(ContactType t) {  // the number of constraint rows: 1, 2, 3, 5 or 6
+constexpr int contact_rows(ContactType t) {  // the number of constraint rows of a contact
   switch (t) {
     case ContactType::k1D:
       return 1;
@@ -47,28 +47,28 @@ constexpr int contact_rows(ContactType t) {  // the number of constraint rows: 1
   return 6;
 }
 
-/// Whether a contact has angular constraint rows.
+/// Whether a contact of this type has angular constraint rows.
 constexpr bool holds_turning(ContactType t) { return t == ContactType::k5D || t == ContactType::k6D; }
-/// Whether a contact has an axis.
+/// Whether a contact of this type has an axis (Contact::axis).
 constexpr bool has_axis(ContactType t) { return t == ContactType::k1D || t == ContactType::k5D; }
 
 /// The name of a type in scene files: "6d".
 inline std::string to_string(ContactType t) { return std::to_string(contact_rows(t)) + "d"; }
 
-/// A frame on a body that contacts, external wrenches and springs are attached to: a placement on a joint's body, or in
-/// the world.
+/// A frame on a joint's body or in the world, to which contacts, external wrenches and springs are attached.
 struct Attachment {
-  int robot = -1;          // -1: the world
-  int joint = -1;          // number of the joint in that robot's model; -1: its fixed base
+  int robot = -1;          // number of the robot in the scene; -1: the world
+  int joint = -1;          // number of the joint in the robot's model; -1: the fixed base
   SE3<double> placement;   // placement of the frame on that body
   std::string frame = {};  // the robot's frame it was made from, before any offset; empty if unknown
 };
 /// Whether the body of an attachment can move. The world and fixed bases cannot.
 inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 
-struct PairRows;  // private to the module contact
+struct PairRows;  // defined in the private module contact
 
-/// A bilateral contact of frame A on a robot and B' on another body or in the world (see detail/contact/rows.hpp).
+/// A bilateral contact between frame A on a robot and frame B' on another body or in the world
+/// (detail/contact/rows.hpp).
 struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;
@@ -77,15 +77,15 @@ struct Contact {
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit vector; 1D: the constrained component, in the reference frame; 5D:
                                               // the free axis of rotation, in A's axes and in those of B'
   double alpha = 0, beta = 0;                 // stabilisation gains [1/s^2], [1/s] of position and velocity errors
-  bool active = true;                         // initially; SceneData::active may switch it later
+  bool active = true;                         // initial state; SceneData::active may switch the contact later
 
   // Properties of a unilateral contact. They are not part of the equations; see `violations` in analysis/findings.hpp.
-  std::optional<double> mu = {};                  // friction coefficient; none: the contact may pull
+  std::optional<double> mu = {};                  // friction coefficient; none: no friction limit, the contact may pull
   std::optional<Vec3<double>> normal = {};        // unit vector out of the surface, in the world, or in the axes of B'
                                                   // if B is on a body; none: the world's z for points, A's own z for 6D
   Eigen::Vector2d box = Eigen::Vector2d::Zero();  // 6D: length (x) and width (y) of the support area [m]; 0: none
 
-  // Set only inside of solve: this 6D contact replaces all contacts between two bodies by independent rows.
+  // Set only inside of solve: this 6D contact represents all contacts between two bodies by `pair_rank` rows.
   std::shared_ptr<const PairRows> pair = {};
   int pair_rank = 0;
   int rows() const { return pair ? pair_rank : contact_rows(type); }  // number of constraint rows, 1 to 6
@@ -98,7 +98,7 @@ struct ExternalWrench {
   ReferenceFrame reference_frame =
       ReferenceFrame::kLocal;                  // axes of the wrench: those of the frame, which rotate with the body, or
                                                // the world's (kWorld and kLocalWorldAligned are the same)
-  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque] at the origin [N, N m]; in a solve: SceneData
+  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque] at its origin [N, N m]; solves read SceneData
 };
 
 /// A massless spring and damper between two points. It pulls A towards B with the force
@@ -109,30 +109,30 @@ struct ExternalWrench {
 /// and a solve fails (Reason::kSpringWithoutDirection), unless length and damping are zero.
 struct Spring {
   std::string name;
-  Attachment A, B;       // the frames' origins; B may be in the world
+  Attachment A, B;       // the origins of both frames are the spring's ends; B may be in the world
   double stiffness = 0;  // N / m
   double length = 0;     // length at rest [m]
   double damping = 0;    // N s / m
 };
 
-/// A spring in a joint with one coordinate. Its torque is -stiffness (q - rest). For damping see Model::damping.
+/// A spring in a joint with one coordinate q; its torque is -stiffness (q - rest). Model::damping adds joint damping.
 struct JointSpring {
   int robot = -1, joint = -1;
-  double stiffness = 0;  // N m / rad, N / m
-  double rest = 0;       // rad, m
+  double stiffness = 0;  // N m / rad or N / m
+  double rest = 0;       // rad or m
 };
 
 struct Scene {  // Constant while it is solved; dynamics/data.hpp lists what may change between solves.
   std::string name;
   Vec3<double> gravity{0, 0, -9.81};
-  double damping = 0;  // delta, Crocoddyl's JMinvJt_damping [1/kg]
-  /// Geometric tolerance [m]; for angles it is divided by the longest moment arm. Constraint rows that are linearly
-  /// dependent to within it are treated as dependent, in accelerations, forces and derivatives. 0: exact up to rounding
-  /// errors.
+  double damping = 0;  // delta in J a + a0 + delta f = 0, Crocoddyl's JMinvJt_damping [1/kg]; 0: rigid contacts
+  /// Geometric tolerance [m]; for angles it is divided by the longest moment arm. Rows of J that are linearly dependent
+  /// to within this tolerance are treated as dependent, in accelerations, forces and derivatives. 0: exact up to
+  /// rounding.
   double tolerance = 0;
-  /// Characteristic length L [m], above 0, that weights moments against forces. Least-norm contact forces minimise sum
-  /// f^2 + sum (m / L)^2. If contacts are inconsistent, it weights rotations against displacements in the least
-  /// squares.
+  /// Characteristic length L [m], above 0, that weights moments m against forces f. Least-norm contact forces minimise
+  /// sum f^2 + sum (m / L)^2. In the least squares of inconsistent contacts, it weights rotations against
+  /// displacements.
   double moment_length = 1;
   std::vector<Robot> robots;
   std::vector<Contact> contacts;
@@ -142,14 +142,14 @@ struct Scene {  // Constant while it is solved; dynamics/data.hpp lists what may
 
   // Maintained by add_robot, add_contact, add_external_wrench and add_spring.
   int nq = 0, nv = 0, nu = 0;
-  std::unordered_map<std::string, int> robot_index, contact_index, wrench_index, spring_index;  // number by name
+  std::unordered_map<std::string, int> robot_index, contact_index, wrench_index, spring_index;  // name to number
 
-  int nrobots() const { return static_cast<int>(robots.size()); }  // copies included
+  int nrobots() const { return static_cast<int>(robots.size()); }  // number of robots
 };
 
-/// Appends a robot and sets its indices; returns its number. base: placement of a fixed base, or the placement of a
-/// floating base in neutral(scene). Throws std::invalid_argument for a duplicate name, a model that is not finalized,
-/// or a base that is not finite. Existing SceneData become invalid.
+/// Appends a robot, sets its indices and returns its number. base: placement of a fixed base, or of a floating base in
+/// neutral(scene). Throws std::invalid_argument for a duplicate name, a model that is not finalized, or a base that is
+/// not finite. Existing SceneData become invalid.
 int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model> model, const SE3<double>& base = {});
 
 /// Makes the attachment of a robot's frame, with an offset in the frame's axes. Throws std::invalid_argument for an
@@ -157,13 +157,13 @@ int add_robot(Scene& scene, const std::string& name, std::shared_ptr<const Model
 Attachment attach(const Scene& scene, const std::string& robot, const std::string& frame,
                   const SE3<double>& offset = {});
 
-/// Returns the same placement, expressed in the world if its body cannot move, such as a fixed base. The name of its
-/// frame is then "robot/frame".
+/// Returns the attachment, expressed in the world if its body cannot move, such as a fixed base. The name of its frame
+/// is then "robot/frame".
 Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 
-/// Appends a contact; returns its number. Its axis is normalised, and B' is expressed in the world if its body cannot
-/// move, so that the contact couples no robot that it does not act on. A is kept even if its body cannot move and that
-/// of B' can: the rows and forces are in A's axes. Existing SceneData become invalid.
+/// Appends a contact; returns its number. The axis is normalised. B' is expressed in the world if its body cannot move,
+/// so that the contact does not couple that robot. A is always kept: rows and forces are in A's axes. Existing
+/// SceneData become invalid.
 ///
 /// Throws std::invalid_argument for:
 ///
@@ -177,9 +177,9 @@ int add_contact(Scene& scene, Contact contact);
 /// an unknown robot or joint, a body that cannot move, numbers that are not finite, or a name used twice.
 int add_external_wrench(Scene& scene, ExternalWrench push);
 
-/// Appends a spring; returns its number. Ends that cannot move are expressed in the world; the ends are exchanged if A
-/// cannot move. Existing SceneData become invalid. Throws std::invalid_argument for an unknown robot or joint, a name
-/// used twice, both ends on one body, or two ends that cannot move. It also throws for negative or infinite numbers.
+/// Appends a spring; returns its number. Ends that cannot move are expressed in the world; if A cannot move, A and B
+/// are exchanged. Existing SceneData become invalid. Throws std::invalid_argument for an unknown robot or joint, a
+/// duplicate name, both ends on one body or immovable, or negative or infinite numbers.
 int add_spring(Scene& scene, Spring spring);
 
 /// Appends a spring in a joint; returns its number. stiffness: N m/rad or N/m; rest: rad or m. Existing SceneData
@@ -191,7 +191,7 @@ int add_joint_spring(Scene& scene, const std::string& robot, const std::string& 
 /// The names of the components of all wrenches: "wind[0]", ... "wind[5]" for each external wrench.
 std::vector<std::string> wrench_names(const Scene& scene);
 
-/// Whether other forces than those of motors, gravity and contacts act: external wrenches and springs.
+/// Whether the scene has forces other than those of motors, gravity and contacts: external wrenches or springs.
 inline bool has_applied_forces(const Scene& scene) {
   return !scene.wrenches.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
 }
@@ -201,8 +201,8 @@ std::vector<std::string> configuration_names(const Scene& scene);
 std::vector<std::string> velocity_names(const Scene& scene);
 std::vector<std::string> torque_names(const Scene& scene);
 
-/// The first coordinate of a joint in the scene's q, v or u. They throw std::invalid_argument for an unknown name, and
-/// suggest the nearest one. u_index also throws for a joint without torques, such as a floating base.
+/// The first coordinate of a joint in the scene's q, v or u. The functions throw std::invalid_argument for an unknown
+/// name, and suggest the nearest name. u_index also throws for a joint without torques, such as a floating base.
 int q_index(const Scene& scene, const std::string& robot, const std::string& joint);
 int v_index(const Scene& scene, const std::string& robot, const std::string& joint);
 int u_index(const Scene& scene, const std::string& robot, const std::string& joint);

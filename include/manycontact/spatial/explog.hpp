@@ -1,7 +1,7 @@
 #pragma once
-// Exponential and logarithm of SO(3), SE(3) and SE(2), accurate near 0 and near pi, and the right Jacobians of log6.
-// The logarithm is defined for angles up to pi; at pi exactly the sign of the axis is arbitrary. The
-// coefficients of Jlog6 are those of z/2 coth(z/2) interpolated on the spectrum {0, +-i theta} (double) of ad. Source:
+// Exponential and logarithm of SO(3), SE(3) and SE(2), accurate near 0 and near pi, and right Jacobians of log6 and
+// exp6. The logarithm is defined for angles up to pi; at pi the sign of the rotation axis is arbitrary. The
+// coefficients of Jlog6 are those of z/2 coth(z/2), interpolated on the spectrum {0, +-i theta} (double) of ad. Source:
 // Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), chapter 10.
 
 #include <cmath>
@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace detail {
 
-/// sin(t)/t, (1 - cos t)/t^2, (t - sin t)/t^3 as functions of t^2, by series if the closed forms cancel.
+/// a = sin(t)/t, b = (1 - cos t)/t^2, c = (t - sin t)/t^3 as functions of t^2; small t by series, as these cancel.
 template <class S>
 struct ExpCoefficients {
   S a, b, c;
@@ -39,8 +39,8 @@ struct ExpCoefficients {
   }
 };
 
-/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and its derivative with respect to t^2, as functions of t^2. The linear
-/// part of log is (I - [w]/2 + alpha [w]^2) p.
+/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and dalpha = d alpha / d(t^2), as functions of t^2. For a rotation
+/// vector w, |w| = t, the linear part of log6 is (I - [w]/2 + alpha [w]^2) p.
 template <class S>
 struct LogCoefficients {
   S alpha, dalpha;
@@ -52,7 +52,7 @@ struct LogCoefficients {
       // alpha = n/d with n = sum (-1)^k (2k+2) t^2k / (2k+4)!, d = 2 (1 - cos t)/t^2 = sum (-1)^k 2 t^2k / (2k+2)!
       S n(0), dn(0), d(0), dd(0);
       for (int k = 15; k >= 0; --k) {
-        const S rn = S(-(2 * k + 4)) / S((2 * k + 2) * (2 * k + 5) * (2 * k + 6));  // ratio of a term to the next
+        const S rn = S(-(2 * k + 4)) / S((2 * k + 2) * (2 * k + 5) * (2 * k + 6));  // ratio of term k to term k + 1
         const S rd = S(-1) / S((2 * k + 3) * (2 * k + 4));
         dn = rn * (n + t2 * dn), n = S(1) + rn * t2 * n;
         dd = rd * (d + t2 * dd), d = S(1) + rd * t2 * d;
@@ -71,14 +71,14 @@ struct LogCoefficients {
 }  // namespace detail
 
 template <class S>
-/// The rotation of a rotation vector w [rad].
+/// The rotation matrix of a rotation vector w [rad].
 Mat3<S> exp3(const Vec3<S>& w) {
   const detail::ExpCoefficients<S> k(w.squaredNorm());
   const Mat3<S> W = skew<S>(w);
   return Mat3<S>::Identity() + k.a * W + k.b * (W * W);
 }
 
-/// log of a unit quaternion (x, y, z, w) with w >= 0: 2 atan2(|xyz|, w) xyz/|xyz|.
+/// The rotation vector of a unit quaternion (x, y, z, w) with w >= 0: 2 atan2(|xyz|, w) xyz/|xyz|.
 template <class S>
 Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
   using std::atan2;
@@ -94,12 +94,12 @@ Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
 }
 
 template <class S>
-/// The rotation vector of R, |log3(R)| <= pi [rad].
+/// The rotation vector of a rotation matrix R, with |log3(R)| <= pi [rad].
 Vec3<S> log3(const Mat3<S>& R) {
   return log_quaternion<S>(quaternion_of_rotation<S>(R));
 }
 
-/// The exponential of a motion m = [v; w], a placement in SE(3).
+/// The exponential of a motion m = [v; w] during unit time: a placement in SE(3).
 template <class S>
 SE3<S> exp6(const Vec6<S>& m) {
   const Vec3<S> v = m.template head<3>(), w = m.template tail<3>();
@@ -109,7 +109,7 @@ SE3<S> exp6(const Vec6<S>& m) {
           Vec3<S>(v + k.b * w.cross(v) + k.c * w.cross(w.cross(v)))};
 }
 
-/// The motion m with exp6(m) = M and |angular part| <= pi.
+/// The logarithm of a placement M: the motion m with exp6(m) = M and |angular part| <= pi.
 template <class S>
 Vec6<S> log6(const SE3<S>& M) {
   const Vec3<S> w = log3<S>(M.R);
@@ -133,7 +133,7 @@ Mat6<S> Jlog6(const Vec6<S>& xi) {
   return Mat6<S>::Identity() + ad / S(2) + (k.alpha - t2 * k.dalpha) * ad2 - k.dalpha * (ad2 * ad2);
 }
 
-/// Jlog6 at log6(M): log6(M exp6(d)) = log6(M) + log6_derivative(M) d + O(d^2).
+/// The right Jacobian of log6 at a placement M: log6(M exp6(d)) = log6(M) + log6_derivative(M) d + O(d^2).
 template <class S>
 Mat6<S> log6_derivative(const SE3<S>& M) {
   return Jlog6<S>(log6<S>(M));
@@ -158,7 +158,7 @@ Mat6<S> Jexp6(const Vec6<S>& m) {
   return J;
 }
 
-/// SE(2) exponential of (vx, vy, w): translation in the start frame and rotation angle w.
+/// The exponential of (vx, vy, w) in SE(2): translation in the axes at the start, and rotation angle w.
 template <class S>
 Vec3<S> exp_se2(const Vec3<S>& m) {
   const detail::ExpCoefficients<S> k(m[2] * m[2]);
@@ -166,7 +166,7 @@ Vec3<S> exp_se2(const Vec3<S>& m) {
   return Vec3<S>(s * m[0] - c * m[1], c * m[0] + s * m[1], m[2]);
 }
 
-/// The inverse of exp_se2, |angle| < 2 pi.
+/// The inverse of exp_se2, for |angle| < 2 pi.
 template <class S>
 Vec3<S> log_se2(const Vec3<S>& d) {
   const S w = d[2], half = w / S(2);

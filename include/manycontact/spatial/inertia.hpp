@@ -1,22 +1,22 @@
 #pragma once
-// Spatial inertia as ten numbers, relative to the frame's own origin: mass m, first moment h = m c, and rotational
-// inertia I about the origin. In this form inertias in one frame add, which CRBA and the merging of fixed links need.
+// Spatial inertia as ten numbers, about the origin of its frame: mass m, first moment h = m c (c: centre of mass), and
+// rotational inertia I about the origin. In this form inertias in one frame add, as CRBA and merged links need.
 
 #include "manycontact/spatial/se3.hpp"
 
 namespace manycontact {
 
 template <class S>
-struct Inertia {  // mass, first moment, inertia about the origin
+struct Inertia {  // A rigid body's inertia.
   S m = S(0);
-  Vec3<S> h = Vec3<S>::Zero();  // kg m
-  Mat3<S> I = Mat3<S>::Zero();  // kg m^2, about the origin, symmetric
+  Vec3<S> h = Vec3<S>::Zero();  // first moment, kg m
+  Mat3<S> I = Mat3<S>::Zero();  // kg m^2, about the frame's origin, symmetric
 
   /// Computes the inertia from mass [kg], centre of mass [m] and rotational inertia about the centre of mass [kg m^2].
   static Inertia from_com(const S& mass, const Vec3<S>& c, const Mat3<S>& Ic) {
     return {mass, mass * c, Ic + mass * (c.squaredNorm() * Mat3<S>::Identity() - c * c.transpose())};
   }
-  /// Adds an inertia in the same frame.
+  /// Adds the inertia of another body in the same frame.
   Inertia& operator+=(const Inertia& o) {
     m += o.m;
     h += o.h;
@@ -32,16 +32,16 @@ struct Inertia {  // mass, first moment, inertia about the origin
     f.template tail<3>() = add_cross(times<S>(I, w), h, v);
     return f;
   }
-  /// The 6 x 6 matrix.
+  /// The inertia as a 6 x 6 matrix.
   Mat6<S> matrix() const {
     Mat6<S> Y;
     const Mat3<S> H = skew<S>(h);
     Y << m * Mat3<S>::Identity(), -H, H, I;
     return Y;
   }
-  /// The same inertia in axes rotated by R, about the same origin.
+  /// The same body's inertia in axes rotated by R, about the same origin.
   Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
-  /// The same inertia about a point relative to which this origin is at p. Forms no centre of mass: m = 0 is allowed.
+  /// The same body's inertia about a point from which this origin is at p. m may be 0, as no centre of mass is formed.
   Inertia seen_at(const Vec3<S>& p) const {
     Inertia out = *this;
     out.h = add_scaled(h, m, p);
@@ -57,7 +57,7 @@ struct Inertia {  // mass, first moment, inertia about the origin
     }
     return out;
   }
-  /// The inertia in frame a of one expressed in frame b, with aMb.
+  /// The inertia in frame a of an inertia in frame b; aMb: placement of b in a.
   Inertia transformed(const SE3<S>& aMb) const { return turned(aMb.R).seen_at(aMb.p); }
   template <class T>
   /// Converts the scalar type.

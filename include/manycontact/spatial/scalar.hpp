@@ -1,10 +1,10 @@
 #pragma once
 // Scalars and fixed-size matrices.
 //
-// The forward path is templated on the scalar: double, quadruple precision as the reference in tests and charts, and
-// packs of doubles for SIMD batches. Its templates are in .cpp files and are instantiated there for InstantiatedScalar.
-// The library manycontact_quad compiles the same files with MANYCONTACT_QUAD defined, and each SIMD level with
-// MANYCONTACT_LANES.
+// The forward path (kinematics to solution) is templated on the scalar: double; quadruple precision as the reference of
+// tests and charts; packs of doubles for SIMD batches. Its templates are in .cpp files, instantiated there for
+// InstantiatedScalar. The library manycontact_quad compiles these files with MANYCONTACT_QUAD defined, and each SIMD
+// level compiles them with MANYCONTACT_LANES.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -40,7 +40,7 @@ template <class S> using Mat6 = Eigen::Matrix<S, 6, 6>;
 template <class S> using VecX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 template <class S> using MatX = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
-// Eigen's default strides, spelled: clang and GCC mangle the default differently, and their objects would not link.
+// Eigen's default strides, written out: clang and GCC mangle the default differently, and objects would not link.
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>, 0, Eigen::InnerStride<1>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>, 0, Eigen::InnerStride<1>>;
 using ConstVectorRef = ConstVecRef<double>;
@@ -49,33 +49,33 @@ template <class S> using MatRef = Eigen::Ref<MatX<S>, 0, Eigen::OuterStride<>>;
 template <class S> using Mat6XRef = Eigen::Ref<Mat6X<S>, 0, Eigen::OuterStride<>>;
 // clang-format on
 
-/// Sine and cosine of an angle [rad].
+/// Computes sine s and cosine c of an angle [rad].
 template <class S>
 void sin_cos(const S& angle, S& s, S& c) {
   using std::cos;
   using std::sin;
-  const S x = angle, sine = sin(x);  // a copy, since s may alias angle; one x lets the compiler combine both
+  const S x = angle, sine = sin(x);  // x is a copy, since s may alias angle; the compiler can combine both calls
   c = cos(x);
   s = sine;
 }
-/// The number of angles best computed at a time; a single robot's are vectorised (detail/spatial/pack.hpp).
+/// The number of angles to compute at a time. A single robot's angles are vectorised (detail/spatial/pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES
 template <int W>
 inline constexpr int kAngles<Pack<W>> = W == 1 ? 8 : 4;
 #endif
-/// Sines and cosines of `count` angles [rad].
+/// Computes sines s and cosines c of `count` angles [rad].
 template <int count, class S>
 void sin_cos(const S* angle, S* s, S* c) {
   for (int k = 0; k < count; ++k) sin_cos(angle[k], s[k], c[k]);
 }
-/// a b + c
+/// Returns a b + c.
 template <class S>
 S multiply_add(const S& a, const S& b, const S& c) {
   return a * b + c;
 }
-/// a if the condition is true, otherwise b.
+/// Returns a if the condition is true, otherwise b.
 template <class S>
 S select(bool holds, const S& a, const S& b) {
   return holds ? a : b;

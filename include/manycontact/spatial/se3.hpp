@@ -1,12 +1,12 @@
 #pragma once
-// Placements. aMb = (R, p) maps coordinates in frame b to coordinates in frame a: x_a = R x_b + p.
+// Placements. aMb = (R, p) maps coordinates x_b in frame b to coordinates in frame a: x_a = R x_b + p.
 
 #include "manycontact/spatial/motion.hpp"
 
 namespace manycontact {
 
 template <class S>
-struct SE3 {  // A placement: p in the parent's axes, R from own axes to the parent's.
+struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the parent's axes.
   Mat3<S> R = Mat3<S>::Identity();
   Vec3<S> p = Vec3<S>::Zero();
 
@@ -14,12 +14,12 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
   const Mat3<S>& rotation() const { return R; }     // Pinocchio's name of R
   const Vec3<S>& translation() const { return p; }  // Pinocchio's name of p
 
-  /// aMc = aMb bMc
+  /// The product aMc = aMb bMc.
   SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), add_times<S>(p, R, o.p)}; }
-  /// bMa
+  /// The inverse placement bMa.
   SE3 inverse() const { return {R.transpose(), -transpose_times<S>(R, p)}; }
 
-  /// The motion in a of a motion m in b: X m.
+  /// The motion m of frame b, expressed in frame a: X m.
   template <class D>
   Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -28,7 +28,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = w;
     return out;
   }
-  /// The motion in b of a motion m in a: X^-1 m.
+  /// The motion m of frame a, expressed in frame b: X^-1 m.
   template <class D>
   Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -38,7 +38,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = transpose_times<S>(R, w);
     return out;
   }
-  /// The force in a of a force f in b: X^-T f.
+  /// The force f in frame b, expressed in frame a: X^-T f.
   template <class D>
   Vec6<S> act_force(const Eigen::MatrixBase<D>& f) const {
     Vec6<S> out;
@@ -47,7 +47,7 @@ struct SE3 {  // A placement: p in the parent's axes, R from own axes to the par
     out.template tail<3>() = add_cross(times<S>(R, f.template tail<3>()), p, force);
     return out;
   }
-  /// X, the 6 x 6 matrix of act.
+  /// The matrix X (6 x 6) with act(m) = X m.
   Mat6<S> action() const {
     Mat6<S> X;
     X << R, skew<S>(p) * R, Mat3<S>::Zero(), R;
@@ -72,7 +72,7 @@ Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   return rotation_about<S>(axis, s, c);
 }
 
-/// The rotation matrix of a quaternion x, y, z, w. It is exactly orthonormal even if |quat| is only near 1.
+/// The rotation matrix of a quaternion (x, y, z, w); exactly orthonormal even if its norm is only nearly 1.
 template <class S>
 Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   const S s = S(2) / (x * x + y * y + z * z + w * w);
@@ -83,7 +83,7 @@ Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   return R;
 }
 
-/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, by Shepperd's method, accurate at any angle.
+/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, by Shepperd's method; accurate at any angle.
 template <class S>
 Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   using std::sqrt;
@@ -115,7 +115,7 @@ Eigen::Matrix<S, 7, 1> pose_of_placement(const SE3<S>& M) {
   return pose;
 }
 
-/// The placement with the coordinates x y z, qx qy qz qw.
+/// The placement with coordinates x y z, qx qy qz qw, the reverse of pose_of_placement.
 template <class D>
 SE3<typename D::Scalar> placement_of_pose(const Eigen::MatrixBase<D>& pose) {
   return {rotation_of_quaternion<typename D::Scalar>(pose[3], pose[4], pose[5], pose[6]), pose.template head<3>()};

@@ -1,5 +1,5 @@
-// Dense blocks for one instruction level, compiled once per level with that level's flags and MANYCONTACT_LEVEL (its
-// name). The linker sees the table of this level only (src/core/simd/levels.cmake).
+// Kernels on dense blocks for one SIMD level. Each level compiles this file with its own flags and MANYCONTACT_LEVEL
+// (its name). The linker sees only the level's table of kernels (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -19,11 +19,11 @@ using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
 Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 
-// Eigen's product into a triangle divides by zero for empty operands; its triangular solves access the first entry.
+// Whether operands are empty: Eigen's triangular product would divide by zero, its triangular solve read entry 0.
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 
-// Eigen's product allocates memory for a single row, whose entries are not contiguous.
+// A single row is a special case: its entries are not contiguous, and Eigen's product would allocate memory.
 void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
   if (C.rows == 1)
     map(C) += a * map(A).lazyProduct(map(B));
@@ -77,7 +77,7 @@ void add_Atx(double* y, double a, ConstPanel A, const double* x) {
   Vector(y, A.cols).noalias() += a * map(A).transpose() * ConstVector(x, A.rows);
 }
 
-// Four columns at a time: sums are loaded and stored a quarter as often.
+// Takes four columns at a time, so that sums are loaded and stored a quarter as often.
 void add_Az(ConstPanel A, const double* z, double* sum, double* scale) {
   Vector y(sum, A.rows), size(scale, A.rows);
   const auto column = [&](Eigen::Index j) { return ConstVector(A.entries + j * A.stride, A.rows); };

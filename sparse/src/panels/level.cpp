@@ -1,5 +1,5 @@
-// The kernels on panels for one instruction level. The file is compiled once per level with that level's flags and
-// MANYCONTACT_LEVEL (its name). The linker sees nothing of it but the PanelKernels (src/core/simd/levels.cmake).
+// The panel kernels of one SIMD level. Each level compiles this file with its own flags and MANYCONTACT_LEVEL, its
+// name. The linker sees only the level's PanelKernels (src/core/simd/levels.cmake).
 
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +16,7 @@ namespace {
 using kernel::kRegister;
 using kernel::Tile;
 
-// ldl_scheduled_residual, with four entries of a column at a time if their rows are consecutive.
+// Computes ldl_scheduled_residual, four entries of a column at a time if their rows are consecutive.
 void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale) {
   using Four = Tile<double, 4>;
   const int *p = A.p.data(), *row = A.i.data();
@@ -30,7 +30,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
     scale[k] = absolute(b[k]);
   }
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const double xj = x[j], size_j = absolute(xj);
     double rj = multiply_add(-Ax[last], xj, r[j]), scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);
     auto r_four = Four::load(zeros), scale_four = r_four;
@@ -65,7 +65,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// 1 / d, or 0 if the pivot is too small: the row then waits.
+// Returns 1 / d, or 0 if the pivot d is too small; its row then waits and is not eliminated.
 struct InverseOrWait {
   const double* least;
   int may_wait;
@@ -82,19 +82,19 @@ void factor(const LdlSchedule& schedule, const double* Ax, const double* least, 
   ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, InverseOrWait{least, most});
 }
 
-// The start of the work memory at a cache line.
+// Returns the first address in `work` at the start of a cache line.
 double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
 }
 
-// Writes the inverse pivots to `inverse` and L's packed entries behind them.
+// Writes the inverse pivots to `inverse`, and L's packed entries after these; returns the latter.
 const double* prepare(const LdlSchedule& schedule, const double* Lx, const double* D, double* inverse) {
   for (int k = 0; k < schedule.n; ++k) inverse[k] = 1 / D[k];
   ldl_pack(schedule, Lx, inverse + schedule.n);
   return inverse + schedule.n;
 }
 
-// Each chunk of columns is gathered in A's order and remains in the first-level cache.
+// Solves in chunks of columns; each chunk is copied in A's order, so that it stays in the first-level cache.
 void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld, int first,
            int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -110,12 +110,12 @@ void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const
   });
 }
 
-// B -= A X for N columns, whose rows are X(k) and B(k).
+// B -= A X for N columns; X(k) and B(k) point to row k.
 template <int N, class RowX, class RowB>
 inline void subtract_product(const UpperCsc& A, const double* Ax, RowX&& X, RowB&& B) {
   const int *p = A.p.data(), *index = A.i.data();
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const auto xj = Tile<double, N>::load(X(j));
     auto bj = Tile<double, N>::load(B(j));
     bj.subtract(Ax[last], xj);
@@ -138,7 +138,7 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
   });
 }
 
-// Solves and refines; the right-hand sides, the solution and the correction of a chunk all fit into the cache.
+// Solves and refines in chunks of columns, whose right-hand sides, solution and correction fit into the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -170,7 +170,7 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
 // Rows and columns of H computed at a time: as many as fit in registers.
 constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
 
-// The offset of row i: rows a fixed stride apart, or rows in any order.
+// Offsets of rows i in memory: rows a fixed stride apart (Strided), or rows in any order.
 struct Strided {
   std::ptrdiff_t ld;
   std::ptrdiff_t operator()(int i) const { return i * ld; }
@@ -211,13 +211,13 @@ inline void product_rows(const double* L, std::ptrdiff_t ldl, const double* R, R
 
 void upper_product(const double* L, const double* R, int depth, int cols, int ld, double* H) {
   for (int i = 0; i < (cols + 7) / 8 * 8; i += kHigh) {
-    const int j = i / 8 * 8;  // blocks of eight rows from their diagonal on
+    const int j = i / 8 * 8;  // blocks of eight rows, from the diagonal on
     const Strided rows{ld};
     product_rows<kHigh>(L + i, ld, R + j, rows, depth, cols - j, H + rows(i) + j, rows);
   }
 }
 
-// The last kHigh rows overlap rows computed before: with fewer rows at a time operations would wait for each other.
+// The last kHigh rows overlap earlier rows: with fewer rows, operations would wait for each other's results.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
   const auto rows_from = [&](int i, auto high) {
     const Strided strided{ld};
@@ -231,7 +231,7 @@ void product(const double* L, int ldl, const double* R, int depth, int rows, int
   }
 }
 
-// Rows are not computed twice as in product, since a streamed row may still be on its way to memory.
+// Rows are not computed twice as in `product`, since a streamed row may not have reached memory.
 void product_of_rows(const double* L, int ldl, const double* R, const int* from, int depth, double* H, const int* to,
                      int rows, int cols, int ld, bool non_temporal) {
   kernel::in_chunks<kHigh>(0, rows, [&](int i, auto high) {
@@ -240,7 +240,7 @@ void product_of_rows(const double* L, int ldl, const double* R, const int* from,
   if (non_temporal) kernel::finish_streams();
 }
 
-// Calls f(first, size) for chunks of columns that fill 4 registers.
+// Calls f(first, size) for chunks of columns that fill up to 4 registers.
 template <class F>
 inline void in_wide_chunks(int cols, F&& f) {
   constexpr int kMost = 4 * kRegister;

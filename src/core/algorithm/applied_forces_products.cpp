@@ -19,25 +19,25 @@ V6 joined(const V3& linear, const V3& angular) {
   out << linear, angular;
   return out;
 }
-// Computes the motion of a point at p that a motion causes, and the adjoint.
+// The motion of the point p of a body, and the adjoint: the wrench of a force at p.
 V3 at_point(const V6& motion, const V3& p) { return linear(motion) + angular(motion).cross(p); }
 V6 from_point(const V3& force, const V3& p) { return joined(force, p.cross(force)); }
 
-// Sum of S_j x_j of a joint's own coordinates.
+// Returns the sum of S_j x_j over the coordinates j of one joint.
 V6 own_motion(const Joint& joint, const Mat6X<double>& S, const double* x) {
   V6 out = V6::Zero();
   for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) out += S.col(c) * x[c];
   return out;
 }
 
-// Calls use(robot of the forces, its number there) for each of these robots on which forces act.
+// Calls use(of, number): `of` is the robot's entry in `forces`, `number` its index, for robots on which forces act.
 template <class Use>
 void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
   for (int r : robots)
     if (const int k = forces.number[r]; k >= 0) use(forces.robots[k], static_cast<std::size_t>(k));
 }
 
-// An end of a spring, and the variation of its body; nullptr for an end in the world, which does not move.
+// An end of a spring, and its body's u, x, v in AppliedScratch; nullptr for an end in the world.
 struct End {
   SpringEnd<double> at;
   V6 *u = nullptr, *x = nullptr, *v = nullptr;
@@ -49,8 +49,8 @@ End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   return {end, &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
 }
 
-// Calls `push(push, its number, its robot, that robot's number)` and `spring(spring, its number, its ends)` for the
-// external wrenches and springs of these robots.
+// Calls `push(wrench, its number, its robot's entry, the entry's index)` for external wrenches on these robots, and
+// `spring(spring, its number, its two ends)` for springs between these robots.
 template <class OfPush, class OfSpring>
 void each_force(const Scene& scene, const Forces& forces, std::span<const int> robots, AppliedScratch& scratch,
                 OfPush&& push, OfSpring&& spring) {
@@ -62,14 +62,14 @@ void each_force(const Scene& scene, const Forces& forces, std::span<const int> r
   });
 }
 
-// ---- tangent: x, v of each body, then df in u ----------------------------------------------------------------------
+// ---- tangent: x and v of each body, then df of each body in u ----------------------------------------------------
 
 void add_push_tangent(const ExternalWrench& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x,
                       V6& df) {
   const SE3<double> M = of.kin.oMi[push.at.joint] * push.at.placement;
   const bool local = push.reference_frame == ReferenceFrame::kLocal;
   if (local)
-    df += cross_force(x, F);  // the wrench rotates with the body
+    df += cross_force(x, F);  // the wrench is fixed to the body and rotates with it
   else
     df.tail<3>() += at_point(x, M.p).cross(linear(F));
   if (!dw) return;
@@ -112,10 +112,10 @@ void add_push_adjoint(const ExternalWrench& push, const Forces::OfRobot& of, con
 
 void add_spring_adjoint(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
   const V3 force = -spring.stiffness * s.d - s.t * s.n;
-  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // gradient by force on A
+  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // gradient by the force on A
   V3 by_d = -spring.stiffness * g, by_rate = V3::Zero();
   if (spring.length != 0 || spring.damping != 0) {
-    const double by_speed = -spring.damping * s.n.dot(g);  // d|d|/dt
+    const double by_speed = -spring.damping * s.n.dot(g);  // gradient with respect to d|d|/dt
     const V3 by_n = by_speed * s.rate - s.t * g;
     by_d += (by_n - s.n * s.n.dot(by_n)) / s.length;
     by_rate = by_speed * s.n;
@@ -181,7 +181,7 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
                          double* ww) {
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
-    for (int i : of.joints) {  // u, and in x the gradient of (xi x S l)^T f
+    for (int i : of.joints) {  // computes u, and adds to x the gradient of (xi x S l)^T f
       const Joint& joint = robot.model->joints[i];
       const V6 own = own_motion(joint, of.kin.J, l + robot.idx_v);
       scratch.u[k][i] = joint.parent >= 0 ? V6(scratch.u[k][joint.parent] + own) : own;
@@ -204,7 +204,7 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
       const int i = of.joints[j];
       const Joint& joint = robot.model->joints[i];
       V6 &x = scratch.x[k][i], &change = scratch.v[k][i];
-      x += cross_force(own_motion(joint, of.kin.J, v + robot.idx_v), change);  // derivative of xi x S v
+      x += cross_force(own_motion(joint, of.kin.J, v + robot.idx_v), change);  // adds the derivative of xi x S v
       for (int c = joint.idx_v; c < joint.idx_v + joint.nv(); ++c) {
         wq[robot.idx_v + c] += of.kin.J.col(c).dot(x);
         wv[robot.idx_v + c] += of.kin.J.col(c).dot(change);

@@ -1,5 +1,5 @@
-// Magnitudes of the terms of applied forces and their derivatives, which may cancel and leave rounding errors.
-// Derivatives are bounded by sums along a body's path: a coordinate moves it by at most the largest of these motions.
+// Magnitudes of the terms of applied forces and of their derivatives, which may cancel and leave rounding errors.
+// Derivatives are bounded by sums along a body's path: a coordinate moves the body by at most the largest motion.
 
 #include <algorithm>
 #include <cmath>
@@ -16,30 +16,30 @@ using Forces = AppliedForces<double>;
 
 double largest(const ConstVectorRef& x) { return x.cwiseAbs().maxCoeff(); }
 
-// The largest magnitudes of motions or of forces, about the origin of a tree frame.
+// The largest magnitudes of motions, or of forces, about a tree frame's origin.
 struct Size {
   double linear = 0, angular = 0;
 
   void add(double l, double a) { linear += l, angular += a; }
   void add(const Size& other) { add(other.linear, other.angular); }
-  double at(double lever) const { return linear + angular * lever; }  // largest motion at this moment arm
+  double at(double lever) const { return linear + angular * lever; }  // largest motion at this distance
 };
 
 struct OfBody {
-  Size moved, velocity;  // largest change by one coordinate; sum over coordinates
-  double lever = 0;      // distance from the origin to any joint of its path
-  // forces on it and on all bodies after it in the tree, and their derivatives with respect to one coordinate
+  Size moved, velocity;  // moved: largest motion by one coordinate; velocity: sum over coordinates
+  double lever = 0;      // largest distance from the origin to a joint of its path
+  // forces on the body and all bodies after it in the tree, and derivatives of these with respect to one coordinate
   Size force, by_q, by_v;
 };
 
-// An end of a spring; all zero in the world.
+// An end of a spring; all members are zero in the world.
 struct OfEnd {
   OfBody* body = nullptr;
-  double lever = 0;               // distance from the origin
-  double reach = 0;               // distance from the origin to the end and to the joints of its path
-  double speed = 0;               // speed of its body
-  double velocity = 0;            // sum of the speeds by single coordinates
-  double moved = 0, changed = 0;  // change of its position and of its velocity by one coordinate
+  double lever = 0;               // distance from the origin to the end
+  double reach = 0;               // largest distance from the origin to the end or a joint of its path
+  double speed = 0;               // speed of the end's body
+  double velocity = 0;            // sum over coordinates of the speeds by one coordinate
+  double moved = 0, changed = 0;  // largest change of the position, and of the velocity, by one coordinate
 };
 
 OfEnd end_of(const SpringEnd<double>& end, OfBody* body) {
@@ -114,7 +114,7 @@ class Sizes {
     const double force = largest(F.head<3>()), reach = reach_of(push, of);
     const Size f{force, largest(F.tail<3>()) + reach * force}, &moved = body.moved;
     body.force.add(f);
-    if (push.reference_frame == ReferenceFrame::kLocal)  // the wrench moves with the body
+    if (push.reference_frame == ReferenceFrame::kLocal)  // the wrench is fixed to the body and moves with it
       body.by_q.add(moved.angular * f.linear, moved.angular * f.angular + moved.linear * f.linear);
     else
       body.by_q.add(0, moved.at(std::max(reach, body.lever)) * force);
@@ -146,7 +146,7 @@ class Sizes {
     }
   }
 
-  // From the leaves to the root: tau_i = S_i^T f_i, and (xi x S_i)^T f_i of its derivatives.
+  // From leaves to root: magnitudes of tau_i = S_i^T f_i, and of the term (xi x S_i)^T f_i of its derivatives.
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;
@@ -182,7 +182,7 @@ class Sizes {
 
   const Scene& scene_;
   const Forces& forces_;
-  std::vector<std::vector<OfBody>> bodies_;  // one entry per robot of the forces: njoints
+  std::vector<std::vector<OfBody>> bodies_;  // one entry per robot of the forces, each with njoints bodies
   AppliedSizes out_;
 };
 

@@ -23,10 +23,10 @@ namespace {
 
 double uniform(double low, double high, std::mt19937& generator) {
   const double t = std::generate_canonical<double, 53>(generator);
-  return (1 - t) * low + t * high;  // finite for any finite limits
+  return (1 - t) * low + t * high;  // finite for any finite low and high
 }
 
-// Samples coordinate k of a joint with limits. `reach`: the distance from 0 without limits, half the range with one.
+// Samples coordinate k of a joint. `reach`: the largest magnitude without limits, half the range with one limit.
 double within_limits(const Joint& joint, int k, double reach, std::mt19937& generator) {
   const auto finite = [k](const Eigen::VectorXd& limit) { return k < limit.size() && std::isfinite(limit[k]); };
   double low = -reach, high = reach;
@@ -36,7 +36,7 @@ double within_limits(const Joint& joint, int k, double reach, std::mt19937& gene
   return uniform(low, high, generator);
 }
 
-// Uniform on the unit quaternions. Source: Shoemake, Uniform random rotations, Graphics Gems III (1992).
+// Samples unit quaternions uniformly. Source: Shoemake, Uniform random rotations, Graphics Gems III (1992).
 Eigen::Vector4d random_quaternion(std::mt19937& generator) {
   const double s = uniform(0, 1, generator), pi = std::numbers::pi;
   const double a = uniform(-pi, pi, generator), b = uniform(-pi, pi, generator);
@@ -121,7 +121,7 @@ Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstRef& q0, const
 
 namespace {
 
-// The block-diagonal matrix of block(joint, its v, first, J) for all joints.
+// Returns the block-diagonal matrix with the block J of block(joint, its v, first, J) for each joint.
 template <class Block>
 Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool first, Block&& block) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(v.size(), v.size());

@@ -4,7 +4,7 @@ namespace manycontact {
 
 namespace {
 
-// Mass and first moment about the world's origin, tree by tree; bodies on an immovable base are not part of the model.
+// Mass and first moment about the world's origin, tree by tree; bodies on fixed bases are not part of the model.
 template <class S>
 std::pair<S, Vec3<S>> moments(const Kinematics<S>& kin) {
   std::pair<S, Vec3<S>> total(S(0), Vec3<S>::Zero());

@@ -4,7 +4,7 @@ namespace manycontact {
 
 namespace {
 
-// The frame in its body's tree frame; on a fixed base, relative to the base's placement.
+// The frame's placement in its body's tree frame; for a frame on the fixed base, relative to the base's placement.
 template <class S>
 SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement) {
   if (joint >= 0) return kin.oMi[joint] * placement.cast<S>();

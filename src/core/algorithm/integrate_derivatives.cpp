@@ -12,7 +12,7 @@ using M6 = Mat6<double>;
 using ConstRef = ConstVectorRef;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 
-// SE(2) as a part of SE(3): coordinates x, y, and the angle about z.
+// Embeds SE(2) in SE(3): coordinates x, y, and the angle about z.
 constexpr int kPlane[3] = {0, 1, 5};
 V6 lift(const ConstRef& m) {
   V6 out = V6::Zero();
@@ -24,7 +24,7 @@ void drop(const M6& J, MatrixRef out) {
     for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
 }
 
-// Writes a joint's block of a Jacobian on SE(3): of(tangent vector), or `straight` for joints with one coordinate.
+// Writes a joint's block of a Jacobian: of(tangent vector) on SE(3), or `straight` for a joint with one coordinate.
 template <class Of>
 void joint_block(const Joint& joint, const ConstRef& v, double straight, Of&& of, MatrixRef J) {
   if (joint.type == JointType::kFloating)

@@ -25,7 +25,7 @@ Kinematics<S>::Kinematics(const Model& model)
 
 namespace {
 
-// Sines and cosines of the angles of joints first ... end-1.
+// Sines and cosines of the angles of kAngles joints, computed together.
 template <class S>
 struct Turns {
   S s[kAngles<S>], c[kAngles<S>];
@@ -38,7 +38,7 @@ struct Turns {
   }
 };
 
-// The columns of J of one joint, whose child frame is M.
+// Sets the columns of J of one joint with child frame M.
 template <class S>
 [[gnu::always_inline]] inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
   const int iv = joint.idx_v;
@@ -68,14 +68,14 @@ template <class S>
   }
 }
 
-// Motion subspace and inertia of body i, whose frame is already placed.
+// Computes motion subspace and inertia of body i, whose frame is already placed.
 template <class S>
 [[gnu::always_inline]] inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
   fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
   kin.Y[i] = joint_space_inertia<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
-// Places a body with a placed parent; s, c: sine and cosine of its joint. fill_body follows while M is in registers.
+// Places body i after its parent; s, c: sine and cosine of its joint. fill_body follows while M is in registers.
 template <class S>
 [[gnu::always_inline]] inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s,
                                               const S& c, Kinematics<S>& kin) {
@@ -92,7 +92,7 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// Fills a body on its tree's path; for the root, places the whole path first. Separate, since few bodies are on it.
+// Computes body i on its tree's path; at the root, places the whole path first. Not inlined: few bodies are on paths.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {
@@ -131,7 +131,7 @@ void forward_accelerations(const Model& model, const ConstVecRef<S>& v, const S*
     const int iv = joint.idx_v;
     const Vec6<S>& vp = joint.parent < 0 ? zero : kin.v[joint.parent];
     const Vec6<S>& ap = joint.parent < 0 ? kin.a_base : kin.a[joint.parent];
-    Vec6<S> vJ;  // S_i v
+    Vec6<S> vJ;  // S_i v, the joint's velocity
     Vec6<S> aJ = ap;
     if (joint.nv() == 1) {
       vJ = kin.J.col(iv) * v[iv];

@@ -1,6 +1,6 @@
 #pragma once
-// Motion of a frame by its joint, independent of the origin of motion subspaces, and the placement of the bodies
-// between a tree's root and its anchor (detail/algorithm/kinematics.hpp).
+// The motion of a joint's frame, and the placement of the bodies between a tree's root and its anchor
+// (detail/algorithm/kinematics.hpp). Neither depends on the origin of motion subspaces.
 
 #include <cstdint>
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-/// R <- R Rot(e_k, angle): mixes two columns.
+/// R <- R Rot(e_k, angle), which mixes two columns of R. c, s: cosine and sine of the angle.
 template <class S>
 inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
@@ -20,21 +20,21 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   }
 }
 
-/// The axis of a revolute or prismatic joint. R: the joint frame's or the child frame's, which have the same axis.
+/// The axis of a revolute or prismatic joint. R: axes of the joint frame or of the child frame, in which it is equal.
 template <class S>
 inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   if (joint.axis_kind < 3) return R.col(joint.axis_kind);
   return times<S>(R, joint.axis.cast<S>());
 }
 
-/// The angle whose sine and cosine move_frame needs; zero if the joint has none.
+/// The angle whose sine and cosine move_frame needs; zero for a joint without angle.
 template <class S>
 inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
   if (joint.type == JointType::kRevolute) return q[joint.idx_q];
   return joint.type == JointType::kPlanar ? q[joint.idx_q + 2] : S(0);
 }
 
-/// Moves R, p from the joint frame to the child frame. s, c: sine and cosine of the joint's angle.
+/// Moves R, p from the joint frame to the child frame at q. s, c: sine and cosine of the joint's angle.
 template <class S>
 [[gnu::always_inline]] inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c,
                                               Mat3<S>& R, Vec3<S>& p) {
@@ -62,7 +62,7 @@ template <class S>
 
 namespace detail {
 
-/// The upper half of a number's digits. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
+/// The upper half of the digits of a. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
 template <class S>
 inline S upper_half(const S& a) {
   int digits = std::numeric_limits<S>::digits;
@@ -81,13 +81,13 @@ inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   sum = total;
 }
 
-/// point += x axis
+/// point += x axis, without rounding the products.
 template <class S>
 inline void move_along(const Vec3<S>& axis, const S& x, WorldPoint<S>& point) {
   for (int k = 0; k < 3; ++k) add_exactly<S>(axis[k], x, point.p[k], point.rest[k]);
 }
 
-/// Adds a joint's displacement at q to a point. R: the joint frame's axes.
+/// Adds the displacement of a joint at q to a point. R: axes of the joint frame.
 template <class S>
 inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>& R, WorldPoint<S>& point) {
   if (joint.type == JointType::kPrismatic) move_along<S>(axis_of<S>(joint, R), q[joint.idx_q], point);
@@ -97,8 +97,9 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 
 }  // namespace detail
 
-/// Places the bodies of a tree's path in place(joint), and returns the anchor's position in the world. s, c: sine and
-/// cosine of the root's angle; own: as in Kinematics; base: as in forward_kinematics.
+/// Sets place(joint), a reference to a placement, for each body of a tree's path, relative to the anchor; returns the
+/// anchor's position in the world. s, c: sine, cosine of the root's angle; own: see Kinematics; base: see
+/// forward_kinematics.
 template <class S, class B, class Place>
 WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
                          const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {
@@ -112,7 +113,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
   }
   anchor.p = base.p.template cast<S>();
   Mat3<S> R = base.R.template cast<S>();
-  for (int i : tree.path) {  // M.p: relative to the parent's origin
+  for (int i : tree.path) {  // M.p: position relative to the parent's origin
     const Joint& joint = model.joints[i];
     SE3<S>& M = place(i);
     const PlacementOf<S> placement(model, own, i);
@@ -127,7 +128,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
     R = M.R;
   }
   Vec3<S> p = Vec3<S>::Zero();
-  for (std::size_t k = tree.path.size(); k-- > 0;) {  // now relative to the anchor
+  for (std::size_t k = tree.path.size(); k-- > 0;) {  // afterwards relative to the anchor
     Vec3<S>& at = place(tree.path[k]).p;
     const Vec3<S> step = at;
     at = p;

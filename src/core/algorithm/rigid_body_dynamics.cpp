@@ -1,4 +1,4 @@
-// Joint space: rnea, aba, crba, the Coriolis matrix, and derivatives.
+// Functions of algorithm/rigid_body.hpp in joint space: rnea, aba, crba, the Coriolis matrix, and derivatives.
 
 #include <limits>
 
@@ -51,7 +51,7 @@ void compose(const RigidBodies& bodies, RigidBodyMemory& m) {
 
 namespace {
 
-// Sets kin to q, and, if v is given, to v and a (nullptr: zero).
+// Sets kin to q and, if v is given, to v and a (a = nullptr: zero).
 void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const double* a, RigidBodyMemory& m) {
   m.composed = m.carries = false;
   m.moving = v != nullptr;
@@ -73,7 +73,7 @@ void check_state(const char* function, const RigidBodies& bodies, const ConstRef
   if (third) expect_numbers(function, what, *third, bodies.nv());
 }
 
-// Checks a state, and sets the data of these robots to it.
+// Checks q, v and a, and sets the state of the data to these.
 RigidBodyMemory& at_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
                           const ConstRef* a, RigidBodyData& data) {
   check_state(function, bodies, q, v, a);
@@ -89,7 +89,7 @@ void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodie
                                 " joints");
 }
 
-// Transforms the forces on a robot's bodies from the child frames into the tree frame.
+// Transforms the forces fext on a robot's bodies from the child frames into the tree frame, as of.fext.
 void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   of.fext.clear();
   if (fext.empty()) return;
@@ -97,7 +97,7 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   fext = fext.subspan(of.f.size());
 }
 
-// Inverse dynamics at the state of kin, minus the torques of friction and of springs in joints.
+// Computes tau by inverse dynamics at the state of kin, minus torques of friction and of springs in joints.
 void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
              RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
@@ -170,10 +170,10 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
     fext = fext.subspan(own.size());
     (void)aba<double>(model, robot.base, q.segment(iq, model.nq), v.segment(iv, model.nv),
                       m.driving.segment(iv, model.nv), bodies.gravity(), own, of.kin, *of.aba,
-                      m.qdd.segment(iv, model.nv));  // NaN if it returns false
+                      m.qdd.segment(iv, model.nv));  // NaN if aba returns false
   });
   m.composed = m.carries = false;
-  m.moving = true;  // the kinematics contain the bias accelerations (a = 0)
+  m.moving = true;  // kin.a now has the bias accelerations (a = 0)
   m.q = q;
   m.v = v;
   m.a.setZero();
@@ -196,7 +196,7 @@ const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidB
 
 namespace {
 
-// Computes M^-1 of.panel in place, NaN if M is singular. M is replaced by L, D.
+// Computes M^-1 of.panel in place; NaN if M is singular. Overwrites the packed M by its factors L, D.
 void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
   m.composed = false;
   if (factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty())
@@ -227,7 +227,7 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
 
 namespace {
 
-// The packed derivatives of RNEA of each robot at the state of kin, and its packed M.
+// Computes each robot's packed derivatives of RNEA at the state of kin, and its packed M.
 void differentiate(const RigidBodies& bodies, ForcesOnBodies fext, RigidBodyMemory& m) {
   internal::compose(bodies, m);
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int) {
@@ -264,7 +264,7 @@ const TorqueDerivatives& rnea_derivatives(const RigidBodies& bodies, const Const
   return m.torque;
 }
 
-// Solves M da = dtau - dID(q, v, a).
+// The derivatives da solve M da = dtau - dID(q, v, a), with ID = rnea.
 const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v,
                                                const ConstRef& tau, RigidBodyData& data, ForcesOnBodies fext) {
   RigidBodyMemory& m = memory_of("aba_derivatives", bodies, data);
@@ -290,7 +290,7 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
   return out;
 }
 
-// C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i) for an ancestor j of i, B and Yc of i's subtree.
+// C_ij = S_i^T (B S_j + Yc Sd_j), C_ji = S_j^T (B S_i + Yc Sd_i) for an ancestor j of i; B, Yc of the subtree of i
 Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
   RigidBodyMemory& m = internal::at_state("coriolis_matrix", bodies, q, &v, nullptr, data);
   differentiate(bodies, {}, m);

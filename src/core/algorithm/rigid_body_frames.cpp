@@ -1,4 +1,4 @@
-// Frames, quantities of the whole, and joint wrenches at the state of the data.
+// Functions of algorithm/rigid_body.hpp for frames, quantities of all bodies, and joint wrenches.
 
 #include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
@@ -16,7 +16,7 @@ namespace {
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
 
-// A frame's robot among those of the data, and its memory; nullptr for a frame of the world.
+// The robot of a frame among the robots of the data, and its memory; nullptr for a frame of the world.
 struct Owner {
   const Robot* robot = nullptr;
   RobotMemory* memory = nullptr;
@@ -35,7 +35,7 @@ Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory&
   return {out, &m.robots[static_cast<std::size_t>(number)]};
 }
 
-// Returns read(robot, kin) for a frame's robot, with velocities; zero for a frame of the world.
+// Returns read(robot, kin) for the robot of a frame, with velocities computed; zero for a frame of the world.
 template <class Read>
 Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
              Read&& read) {
@@ -99,7 +99,7 @@ Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, co
 
 namespace {
 
-// The sum of of(kinematics, body) over all bodies, a force or momentum in its tree frame, about the centre of mass.
+// Sums of(kinematics, body), a force or momentum in the body's tree frame, over all bodies, about the centre of mass.
 template <class Of>
 Vec6d about_center(const RigidBodies& bodies, RigidBodyData& data, Of&& of) {
   internal::move(bodies, *data.memory);
@@ -196,7 +196,7 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// If the tree traverses a joint from the file's child to its parent, returns the frame of that child, else nullptr.
+// Returns the frame of the joint's child in the file if that is the parent in the tree; nullptr if it is not.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

@@ -17,12 +17,12 @@ struct RobotMemory {
   explicit RobotMemory(const Model& m) : model(&m), kin(m), f(static_cast<std::size_t>(m.njoints())), diagonal(m.nv) {}
 
   const Model* model;
-  Kinematics<double> kin;           // kinematics at the data's state
-  std::vector<Inertia<double>> Yc;  // composite inertias, valid if RigidBodyMemory::composed
-  std::vector<Vec6<double>> f;      // forces through the joints, in the tree frame
-  std::vector<Vec6<double>> fext;   // external forces, in the tree frame
-  std::vector<double> M;            // packed; factorized by inverse_inertia_times and aba_derivatives
-  Eigen::VectorXd diagonal;         // diagonal of M, scratch
+  Kinematics<double> kin;           // kinematics at the state of the data
+  std::vector<Inertia<double>> Yc;  // composite inertias; valid if RigidBodyMemory::composed
+  std::vector<Vec6<double>> f;      // njoints: forces through the joints, in the tree frame
+  std::vector<Vec6<double>> fext;   // njoints: external forces, in the tree frame
+  std::vector<double> M;            // packed M; inverse_inertia_times, aba_derivatives factorize it
+  Eigen::VectorXd diagonal;         // scratch: diagonal of M
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel;  // right-hand sides of M
   std::optional<AbaData<double>> aba;
   std::optional<RneaDerivatives> derivatives;
@@ -30,18 +30,18 @@ struct RobotMemory {
 
 struct RigidBodyMemory {
   std::vector<RobotMemory> robots;
-  Eigen::VectorXd zero, v, a;  // nv; v, a of the state
-  Eigen::VectorXd q;           // nq, of the state
-  bool moving = false;         // whether kin has v and a of the state; if not, v = 0 and they are not computed
-  bool composed = false;       // whether Yc is that of the state
-  bool carries = false;        // whether f is that of the last inverse dynamics
+  Eigen::VectorXd zero, v, a;  // nv entries: zeros; v and a of the state
+  Eigen::VectorXd q;           // nq entries: q of the state
+  bool moving = false;         // whether kin has v and a of the state; if not, v = 0
+  bool composed = false;       // whether Yc and M belong to the state
+  bool carries = false;        // whether f is from an inverse dynamics at the state
   Eigen::VectorXd tau, h, g, qdd, driving;
   Eigen::MatrixXd M;
   TorqueDerivatives torque;
   AccelerationDerivatives acceleration;
 };
 
-/// Returns the memory of the data; throws std::invalid_argument if the data are of other robots.
+/// Returns the memory of the data; throws std::invalid_argument if the data belong to other robots.
 inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();
@@ -58,7 +58,7 @@ void each_robot(const RigidBodies& bodies, RigidBodyMemory& m, Act&& act) {
     act(robots[r], m.robots[r], bodies.idx_q(robots[r]), bodies.idx_v(robots[r]));
 }
 
-/// Calls act(spring, its coordinate in q, its coordinate in v) for each spring in a joint of these robots.
+/// Calls act(spring, its coordinate in q, its coordinate in v) for each joint spring of these robots.
 template <class Act>
 void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   const std::span<const Robot> robots = bodies.robots();
@@ -71,9 +71,9 @@ void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   }
 }
 
-/// Computes kin.v and kin.a of the state, unless they are known.
+/// Computes kin.v and kin.a of the state, unless they are computed already.
 void move(const RigidBodies& bodies, RigidBodyMemory& m);
-/// Computes the composite inertias Yc of the state and the packed M, unless they are known.
+/// Computes the composite inertias Yc and the packed M of the state, unless they are computed already.
 void compose(const RigidBodies& bodies, RigidBodyMemory& m);
 
 }  // namespace manycontact::internal

@@ -17,7 +17,7 @@ RneaDerivativesOf<S>::RneaDerivativesOf(const Model& model)
 
 namespace {
 
-// l and C of one body: 2B = [0, -2[l]x; 0, C], C = [w]I - I[w] - [v][h] - [h][v] - [k], with (l, k) = Y v.
+// Adds l and C of one body: 2B = [0, -2[l]x; 0, C], C = [w]I - I[w] - [v][h] - [h][v] - [k], with (l, k) = Y v.
 template <class S>
 void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>& C) {
   using V3 = Vec3<S>;
@@ -25,7 +25,7 @@ void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>
   const V3 v = velocity.template head<3>(), w = velocity.template tail<3>();
   l = add_cross(Y.m * v, w, Y.h);
   const V3 k = add_cross(times<S>(Y.I, w), Y.h, v);
-  M3 wI;  // [w]I, and [w]I - I[w] = wI + wI^T, as I is symmetric
+  M3 wI;  // [w]I; [w]I - I[w] = wI + wI^T, as I is symmetric
   for (int j = 0; j < 3; ++j) wI.col(j) = cross(w, Y.I.col(j));
   const S vh2 = S(2) * dot(v, Y.h);  // [v][h] + [h][v] = h v^T + v h^T - 2 (v.h) 1
   for (int i = 0; i < 3; ++i) {
@@ -60,7 +60,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Fills row and column k of the derivatives for the coordinates k of joint i.
+// Fills the rows and columns of the derivatives for the coordinates k of joint i.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;
@@ -88,7 +88,7 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
       ++at;
     };
     int j = k;
-    for (; j >= joint.idx_v; --j) entry(j);  // within the joint, S_i and the force rotate together
+    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of the same joint: S_i and the force rotate together
     Fq += cross_force(s, d.f[i]);
     for (j = model.dof_parent[joint.idx_v]; j >= 0; j = model.dof_parent[j]) entry(j);
   }

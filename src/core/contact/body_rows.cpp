@@ -4,8 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// An attachment's frame relative to its body, in the tree frame's axes; the body's origin in the tree frame; the tree
-// frame's origin in the world, for immovable frames the frame's own origin or the base's.
+// The placement of an attachment's frame: relative to its body, in the tree frame's axes; the body's origin in the tree
+// frame; the tree frame's origin in the world. For immovable frames the latter is the frame's origin or the base's.
 struct Placed {
   SE3<double> frame;
   Vec3<double> body;
@@ -25,7 +25,7 @@ Placed placed(const Scene& scene, const Attachment& at, const BodyKinematics<dou
 void body_rows(const Scene& scene, const Contact& c, const BodyKinematics<double>* kinA,
                const BodyKinematics<double>* kinB, const Vec6<double>& aA, const Vec6<double>& aB,
                ContactData<double>& d) {
-  Vec6<double> rest = Vec6<double>::Zero();  // acceleration of bodies at rest, minus gravity
+  Vec6<double> rest = Vec6<double>::Zero();  // acceleration of immovable bodies minus gravity
   rest.head<3>() = -scene.gravity;
   const Placed A = placed(scene, c.A, kinA), B = placed(scene, c.B, kinB);
   d.aMA = d.bMA = A.frame;

@@ -16,7 +16,7 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
-// Computes one column from s, the column of J_l; P1, P2, P3 are defined in the header.
+// Computes one column of dx_dq and dx_dv from s = s_i; P1, P2, P3 are defined in the header.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;
@@ -53,7 +53,7 @@ struct Column {
     out.template head<3>() =
         dnudot.template head<3>() + point_terms(dnu) + alpha * (s.template head<3>() - s.template tail<3>().cross(e));
     if (c.type == ContactType::k5D) {
-      const V3 w = s.template tail<3>();  // dm = m x w
+      const V3 w = s.template tail<3>();  // derivative of m: dm = m x w
       out.template tail<3>() =
           dnudot.template tail<3>() + beta * dnu.template tail<3>() + alpha * (m.dot(n) * w - w.dot(n) * m);
     }
@@ -70,7 +70,7 @@ struct Column {
   }
 
  private:
-  // d (nu_ang x nu_lin + beta nu_lin)
+  // derivative of nu_ang x nu_lin + beta nu_lin along dnu
   V3 point_terms(const V6& dnu) const {
     return dnu.template tail<3>().cross(lin) + ang.cross(dnu.template head<3>()) + beta * dnu.template head<3>();
   }

@@ -72,7 +72,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
   for (std::size_t c = 0; c < f_offset.size(); ++c)
     if (f_offset[c] + scene.contacts[c].rows() > f.size() && f_offset[c] >= 0)
       throw std::invalid_argument(std::string(name) + ": f does not fit f_offset");
-  std::vector<int> first;  // number of each robot's first body
+  std::vector<int> first;  // one entry per robot: the number of its first body
   int bodies = 0;
   for (const Robot& robot : scene.robots) {
     first.push_back(bodies);
@@ -88,7 +88,7 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
     const Contact& contact = scene.contacts[c];
     const Vec6<double> on_A = d.W.transpose() * f.segment(f_offset[c], contact.rows());
     add(contact.A, on_A);
-    add(contact.B, -d.G.act_force(on_A));  // the wrench on B, in the axes of B', about its origin
+    add(contact.B, -d.G.act_force(on_A));  // the wrench on B about its origin, in the axes of B'
   });
   return out;
 }

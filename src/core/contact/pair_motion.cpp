@@ -9,7 +9,7 @@ namespace {
 template <class S>
 using OfRows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// S_m W_m x of a member whose first row is `row`.
+// Returns S_m W_m x for member m of a pair, whose first row is `row`.
 template <class S>
 OfRows<S> weighed_rows(const PairRows& pair, std::size_t m, int row, const Vec6<S>& x) {
   OfRows<S> out = rows_of_member<S>(pair.members[m], x);
@@ -41,7 +41,7 @@ S largest_in(const Vec3<S>& x) {
   return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
 }
 
-// Computes the last two numbers of ContactData::left.
+// Computes the last two numbers of ContactData::left: deviations from a common motion and placement.
 template <class S>
 void judge_motion(const Contact& c, ContactData<S>& d) {
   const auto of_both = [&](int at) {

@@ -20,23 +20,23 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   std::vector<int> key{rank};
   for (const Contact& member : members) key.push_back(static_cast<int>(member.type));
   const std::lock_guard lock(mutex);
-  constexpr int kFirst = 16;  // above all types
+  constexpr int kFirst = 16;  // above all contact types
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// Returns to^-1 of, accurately for placements that are both far away from their body's origin.
+// Returns to^-1 of; accurate also if both placements are far away from their body's origin.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
-// Returns the placement of the pair's A on A's body: at the mean of the members' origins, in the axes of the first.
+// Returns the placement of the pair's A on A's body: at the mean of the members' origins, in the first member's axes.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
   for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
   return at;
 }
 
-// The placement of the pair's B', relative to the first member's B' as A is relative to the first member's A.
+// Returns the placement of the pair's B', relative to the first member's B' as the pair's A is to the first member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
 }
@@ -51,7 +51,7 @@ Contact member_of(const Contact& from) {
   return out;
 }
 
-// S_m W_m X_m of all members.
+// Returns B = [S_m W_m X_m] of all members.
 Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>& A) {
   Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
   Eigen::Index row = 0;
@@ -65,7 +65,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-// The rank of the rows, or -1 if it cannot be determined reliably.
+// Returns the rank of the rows, or -1 if it is doubtful.
 int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
@@ -79,7 +79,7 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   return rank;
 }
 
-// Flags the `rank` rows of B that are independent of the rows before them.
+// Flags `rank` rows of B: each is independent of the rows before it.
 std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
@@ -96,10 +96,10 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// The rotation of Q's columns that makes its rows flagged in `spans` lower triangular with a positive diagonal, so that
-// a row of R depends on rows before it if that flagged row of B does.
+// Returns the rotation of Q's columns that makes the rows of Q flagged in `spans` lower triangular with a positive
+// diagonal. A row of R then depends on rows of R before it if the flagged row of B depends on flagged rows before it.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
-  Eigen::MatrixXd rows(Q.cols(), Q.cols());  // transposed
+  Eigen::MatrixXd rows(Q.cols(), Q.cols());  // the flagged rows of Q, as columns
   Eigen::Index k = 0;
   for (Eigen::Index row = 0; row < Q.rows(); ++row)
     if (spans[static_cast<std::size_t>(row)]) rows.col(k++) = Q.row(row).transpose();
@@ -110,7 +110,7 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// Computes B = Q R; returns false if B's rows are independent, or if the rank is in doubt.
+// Computes B = Q R. Returns false if B's rows are independent, or if the rank is doubtful.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
@@ -121,7 +121,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   pair.spans = first_independent(B, rank);
   numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
-  // A right inverse with rotations in units of the moment arms, as in R: its error must not depend on their lengths.
+  // A right inverse of R with rotations in units of moment arms, so that its error does not depend on the arms' length.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
@@ -133,7 +133,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   return true;
 }
 
-// Computes what may change between solves: the gains, with which the terms of a0 are scaled, and B'.
+// Computes what may change between solves: the gains, by which terms of a0 are scaled, and the placement of B'.
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);

@@ -12,7 +12,7 @@ void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariat
   using V3 = Vec3<S>;
   using V6 = Vec6<S>;
   const V6 xi = d.aMA.act_inverse(a.xi), relative = xi - d.bMA.act_inverse(b.xi);
-  // quantities in A's axes change by -xi x when A moves by xi
+  // if A moves by xi, quantities in A's axes change by -xi x quantity
   const V6 dvA = d.aMA.act_inverse(a.v) - cross_motion(xi, d.vA), dvB = d.bMA.act_inverse(b.v) - cross_motion(xi, d.vB);
   const V6 daA = d.aMA.act_inverse(a.a) - cross_motion(xi, d.aA), daB = d.bMA.act_inverse(b.a) - cross_motion(xi, d.aB);
   const V6 dnu = dvA - dvB;
@@ -51,7 +51,7 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
   using V3 = Vec3<S>;
   using V6 = Vec6<S>;
   const V6 uA = d.aMA.act_inverse(uA_tree), uB = d.bMA.act_inverse(uB_tree);
-  const V6 F = d.W.transpose() * f, N = d.W.transpose() * l;  // N: gradient with respect to x and to nudot
+  const V6 F = d.W.transpose() * f, N = d.W.transpose() * l;  // N: gradient with respect to x and nudot
   V6 gnu, relative;
   if (c.pair) {
     const PairSlopes<S> slopes = pair_slopes<S>(c, d);
@@ -61,7 +61,7 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
     gnu = S(c.beta) * N;
     relative.setZero();
     if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);
-  } else {  // N has an angular part only for 5D
+  } else {  // only 5D gives N an angular part
     const V3 n = N.template head<3>(), e = d.G.R.transpose() * d.G.p;
     gnu << S(c.beta) * n + n.cross(d.nu.template tail<3>()), d.nu.template head<3>().cross(n);
     relative << S(c.alpha) * n, -S(c.alpha) * e.cross(n);

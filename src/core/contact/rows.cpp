@@ -33,7 +33,7 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
 
 namespace {
 
-// Placement of an attachment's frame in its robot's tree frame, and the world position of that frame's origin.
+// Placement of an attachment's frame in its robot's tree frame; on a fixed base, relative to the base's origin.
 template <class S>
 SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.oMi[at.joint] * at.placement.cast<S>();
@@ -41,14 +41,14 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
 }
 
-// The origin of that tree frame. A fixed base's kinematics are not used: they may be those of an earlier state.
+// Origin, in the world, of the frame of `place`. A fixed base's kin is not used, as it may be of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];
   return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
-// W: the selected rows in A's axes; in the world's axes they are rotated by R = oR_A.
+// Sets W: the contact's rows in A's axes; if the rows are in the world's axes, W rotates them by R = oR_A.
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
   Mat3<S> axes = Mat3<S>::Identity();
@@ -131,7 +131,7 @@ template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& d) {
-  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of bodies at rest, minus gravity
+  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of immovable bodies minus gravity
   rest.template head<3>() = -gravity.cast<S>();
   d.aMA = d.bMA = aMA;
   d.bMA.p += from_b;

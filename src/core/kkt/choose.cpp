@@ -22,7 +22,7 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// Cost of M, J and their terms, which sparse-bodies does not need; large islands compute them contact by contact.
+// Cost of the terms of M and J, which sparse-bodies does not need; large islands compute these contact by contact.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -30,7 +30,7 @@ double cost_of_terms(const IslandShape& shape) {
   return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
 }
 
-// The cost also grows with the number of supernodes, and of the index ranges that each updates.
+// Cost of sparse-ldl. It also grows with the number of supernodes, and of the index ranges that supernodes update.
 double cost_ldl(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
   const double ranges = (order == Order::kContactsEarly ? kLdlShortRange : kLdlRange) * L.scattered;
@@ -60,7 +60,7 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than a factor of K at `cost`. Shallow islands need no analysis.
+// Whether sparse-bodies is predicted to be cheaper than a factor of K with this cost. Shallow islands are not analysed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
@@ -82,7 +82,7 @@ double joint_space_size(const IslandShape& shape) {
   double size = 0;
   for (const Robot& robot : shape.scene().robots)
     for (int depth : robot.model->dof_depth) size += depth + 1.0;
-  for (const Contact& contact : shape.scene().contacts)  // an upper bound, since common ancestors are counted
+  for (const Contact& contact : shape.scene().contacts)  // an upper bound: common ancestors of A and B' count twice
     size += contact.rows() * (chain_length(shape.scene(), contact.A) + chain_length(shape.scene(), contact.B));
   return size;
 }
@@ -90,7 +90,7 @@ double joint_space_size(const IslandShape& shape) {
 double least_cost_ldl(const IslandShape& shape) {
   sparse::LdlCounts least;
   for (const Robot& robot : shape.scene().robots)
-    for (const double depth : robot.model->dof_depth) {  // M's column has its ancestors' rows in any order
+    for (const double depth : robot.model->dof_depth) {  // M's column has entries in its ancestors' rows, in any order
       least.nonzeros += depth;
       least.flops += depth * (depth + 2);
     }
@@ -106,7 +106,7 @@ double cost_dense(const IslandShape& shape) {
   return kDenseCall + kDenseFlop * (4 * n * n * m + 2 * n * n * n);
 }
 
-// The cost of rows that fill each other's columns, at `entry` per entry and `flop` per multiply-add.
+// Cost of a full triangular factor of the contact rows, at `entry` per entry and `flop` per multiply-add.
 double full_rows_cost(const Island& island, double entry, double flop) {
   const double n = island.nc;
   return entry * n * n / 2 + flop * n * n * n / 3;
@@ -157,7 +157,7 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
   if (!options.order && bodies_are_cheaper(shape, cost_ldl(shape, choice.order)))
-    return {Method::kSparseBodies, choice.order};  // the order is for the whole K, which serves as a fallback
+    return {Method::kSparseBodies, choice.order};  // the order is for the whole K, as a fallback
   return choice;
 }
 

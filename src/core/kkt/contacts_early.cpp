@@ -1,4 +1,4 @@
-// The order contacts-early: a contact is eliminated as soon as the joints below it give it sound pivots.
+// The order contacts-early: a contact is eliminated as soon as the joints eliminated before give it sound pivots.
 
 #include <algorithm>
 #include <array>
@@ -19,9 +19,8 @@ namespace manycontact {
 
 namespace {
 
-// Computes J, a matrix for each contact, in a configuration without symmetry, `mean` +- `most` from the neutral one. It
-// does not depend on the bases, so that islands of one shape get the same order. other: phase between one robot and the
-// next.
+// Computes J, a matrix for each contact, in a configuration without symmetry, `mean` +- `most` from the neutral one.
+// Bases are left out, so that islands of one shape get the same order. other: phase between successive robots.
 std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
                                           double mean, double most, double other) {
   std::vector<Eigen::MatrixXd> J;
@@ -45,7 +44,7 @@ std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& isla
   return J;
 }
 
-// Scales rows to unit length: the part that coordinates contribute to a row is compared with the whole row.
+// Scales J's rows to unit length, so that the part that some coordinates contribute is relative to the whole row.
 std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   for (Eigen::MatrixXd& rows : J)
     for (auto row : rows.rowwise())
@@ -53,9 +52,9 @@ std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   return J;
 }
 
-// Sorts robots by degree in the graph whose edges are contacts between robots, so that each is coupled to few others
-// when it is eliminated. Robots furthest from the ground count as coupled to one more robot, which comes last. The
-// grounded end of a tower is then eliminated first (pattern.cpp).
+// Sorts robots by degree in the graph whose edges are contacts, so that each robot is coupled to few others when it is
+// eliminated. Robots furthest from the ground count one coupling more, to a robot that comes last: the grounded end of
+// a tower is then eliminated first (pattern.cpp).
 std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   const int n = static_cast<int>(island.robots.size());
   std::vector<std::pair<int, int>> joined;
@@ -68,9 +67,9 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   return camd_order_from_ground(n, std::move(joined));
 }
 
-// Clusters of bodies that placed contacts fix to each other: a contact of six rows fixes its two bodies. The rows of
-// any further contact within a cluster are sums of rows placed already. They vanish after elimination in any order, so
-// that such contacts need not wait for coordinates.
+// Clusters of bodies that placed contacts fix to each other; a contact of six rows fixes its two bodies. Placed means:
+// already in the order. Rows of another contact within a cluster are sums of placed rows. They vanish after elimination
+// in any order, so that such contacts need not wait for coordinates.
 class Clusters {
  public:
   Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
@@ -83,7 +82,7 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Places contact c. Calls use(contact) for contacts that now depend on placed ones, and may be placed already.
+  /// Places contact c. Calls use(contact) for contacts within the enlarged cluster, which may be placed at once.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
@@ -117,21 +116,21 @@ class Clusters {
   std::vector<int> first_;  // first body of each robot; the world is body 0
   std::vector<int> memory_;
   std::optional<sparse::UnionFind> sets_;
-  std::vector<std::vector<int>> touching_;  // one entry per root: contacts on bodies of the cluster
+  std::vector<std::vector<int>> touching_;  // one entry per root of a cluster: contacts on its bodies
 };
 
-// Whether both ends are on one robot.
+// Whether both ends of a contact are on one robot, so that it closes a loop.
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
-// A contact is ready once its eliminated coordinates that no other contact has used up move it in as many directions as
-// it has rows, by at least `distinct`. It uses up the coordinates that do this best. J: unit rows in several
-// configurations, in all of which this must be true. A loop's contact is ready once all its coordinates are eliminated:
-// these are few, and independent rows then have sound pivots in every configuration.
+// A contact is ready once eliminated coordinates that no other contact has used move it in as many directions as it has
+// rows, by at least `distinct`. It then uses up the coordinates that move it best. J: unit rows in several
+// configurations; a contact must be ready in all of them. A contact that closes a loop is ready once all its
+// coordinates are eliminated: these are few, and independent rows then have sound pivots in every configuration.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
   const int ncontacts = static_cast<int>(island.contacts.size());
-  std::vector<std::vector<int>> on_dof(island.nv);  // contacts that act on a coordinate
+  std::vector<std::vector<int>> on_dof(island.nv);  // one entry per coordinate: contacts that act on it
   for (int c = 0; c < ncontacts; ++c)
     for (int i : support.columns[c]) on_dof[i].push_back(c);
   std::vector<char> eliminated(island.nv, 0), used(island.nv, 0), placed(ncontacts, 0);
@@ -150,7 +149,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       const std::vector<int>& columns = support.columns[c];
       const bool loop = closes_loop(scene.contacts[island.contacts[c]]);
       if (loop && !std::ranges::all_of(columns, [&](int k) { return eliminated[k] != 0; })) continue;
-      std::vector<int> available;  // numbers of columns of J
+      std::vector<int> available;  // columns of J that are eliminated and not used up
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (eliminated[columns[k]] && !used[columns[k]]) available.push_back(static_cast<int>(k));
       const Eigen::Index rows = J.front()[c].rows(), most = static_cast<Eigen::Index>(available.size());
@@ -184,10 +183,10 @@ double cost(const sparse::UpperCsc& K, const std::vector<int>& perm) {
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K) {
   if (island.contacts.empty()) return leaf_to_root_order(scene, island, {});
-  std::vector<std::vector<Eigen::MatrixXd>> J;  // one entry per configuration; legs are nearly straight in the last
+  std::vector<std::vector<Eigen::MatrixXd>> J;  // one entry per configuration; legs are nearly straight in the last one
   for (const auto& [mean, most] : {std::pair(0.3, 0.2), std::pair(0.0, 0.2), std::pair(0.0, 0.02)})
     J.push_back(of_unit_rows(jacobians_at(scene, island, support, mean, most, 3)));
-  std::vector<std::vector<int>> orders(1);  // the robots by number, and by degree
+  std::vector<std::vector<int>> orders(1);  // orders of robots: by number, and by degree
   orders[0].resize(island.robots.size());
   std::iota(orders[0].begin(), orders[0].end(), 0);
   if (island.robots.size() > 2) orders.push_back(robots_by_degree(scene, island));

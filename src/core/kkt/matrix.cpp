@@ -3,7 +3,7 @@
 namespace manycontact {
 
 void KktMatrix::reset(std::shared_ptr<const KktPattern> p) {
-  values.assign(p->K.nonzeros(), 0.0);  // first: if this throws, the old pattern remains
+  values.assign(p->K.nonzeros(), 0.0);  // first: if this throws, K keeps its old pattern
   pattern = std::move(p);
 }
 

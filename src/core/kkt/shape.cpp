@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// The bodies of a contact's ends. An immovable A, perhaps on another island's robot, counts as on B's robot.
+// The bodies of a contact's two ends. An immovable A, which may be on another island's robot, counts as on B's robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -21,10 +21,10 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether a contact's position on A's body matters for its directions; not for 6D, which constrains all of them.
+// Whether the position of a contact on A's body affects its directions; 6D contacts constrain all directions.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// Puts the rows of each contact in ascending order; K's pattern does not change, since they have the same columns.
+// Sorts each contact's rows ascending. K's pattern does not change, since the rows of a contact have equal columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -79,7 +79,7 @@ const sparse::LdlCounts& IslandShape::counts(Order order) {
   auto& counts = counts_[static_cast<std::size_t>(order)];
   if (counts) return *counts;
   const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
-  for (const Order each : kOrders)  // callers compare the counts of all orders
+  for (const Order each : kOrders)  // counts of all orders, as callers compare these
     counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }
@@ -120,7 +120,7 @@ std::uint64_t word(int robot, int joint) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
 }
 
-// Adds the trees, and the types of contacts between bodies.
+// Adds to the key: the trees, and types of contacts between their bodies.
 void add_structure(const Scene& scene, const Island& island, Words& key) {
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));
@@ -132,7 +132,7 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Adds further words for contacts-early: models, and the contacts' places and axes that IslandShape keeps.
+// Adds to the key for contacts-early: models, and the places and axes of contacts that IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
@@ -156,8 +156,8 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
-  // The shapes in all caches of the program, so that data of one scene, such as the nodes of a horizon, share analyses,
-  // which then remain in the processor's caches. The key identifies a shape's models while these live.
+  // All shapes of the program: data of one scene, such as the nodes of a horizon, share analyses, which then stay in
+  // the processor's caches. The key identifies a shape's models by their addresses while the models exist.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

@@ -4,9 +4,9 @@
 
 namespace manycontact {
 
-/// Returns why an attachment is on none of the scene's bodies, or "".
+/// Returns why an attachment is on no body of the scene, or "" if it is on one.
 std::string problem(const Scene& scene, const Attachment& at);
-/// "frame 'hand' of robot 'r'", for an attachment on a robot.
+/// Describes an attachment on a robot: "frame 'hand' of robot 'r'".
 std::string describe(const Scene& scene, const Attachment& at);
 
 }  // namespace manycontact

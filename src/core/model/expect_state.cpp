@@ -27,7 +27,7 @@ void refuse(const char* function, const std::string& why) {
 std::string unusable_configuration(const char* what, const ConstRef& q, const RigidBodies& bodies, double tolerance) {
   if (const std::string why = not_finite(what, q); !why.empty()) return why;
   for (const Robot& robot : bodies.robots()) {
-    if (robot.model->nq == robot.model->nv) continue;  // no quaternion
+    if (robot.model->nq == robot.model->nv) continue;  // a robot without quaternion
     for (const Joint& joint : robot.model->joints) {
       if (joint.type != JointType::kFloating) continue;
       const int first = bodies.idx_q(robot) + joint.idx_q + 3;

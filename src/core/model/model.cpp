@@ -40,7 +40,7 @@ int axis_kind(const Vec3<double>& axis) {
   return 3;
 }
 
-// Numbering is depth first if the chain of joint i-1 towards the base contains i's parent.
+// Numbers subtrees. Numbering is depth first if the chain from joint i-1 to the base contains i's parent.
 void number_subtrees(Model& model) {
   const int n = model.njoints();
   model.subtree_end.assign(n, 0);
@@ -58,14 +58,14 @@ void number_subtrees(Model& model) {
   }
 }
 
-// The joints that determine where a robot is, as for one that drives along x and y. They are the first joints, with no
-// more coordinates than a base has, down to the last one with an offset. Lighter subtrees may branch off from them.
+// Returns the joints that place a robot in the world, e.g. along x and y: the first joints, with no more coordinates
+// than a base has, down to the last one with an offset. Lighter subtrees may branch off from these joints.
 std::vector<int> path_to_anchor(const Model& model, int root) {
   constexpr int kBaseCoordinates = 6;
   std::vector<int> path{root};
   std::size_t length = 1;
   for (int j = root, coordinates = model.joints[root].nv(); !model.floating_base;) {
-    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // below the next one, at least
+    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // lower bound: below `next`
     for (int child = j + 1; child < model.subtree_end[j]; child = model.subtree_end[child])
       if (model.subtree_end[child] - child > joints) next = child, joints = model.subtree_end[child] - child;
     if (next < 0 || (coordinates += model.joints[next].nv()) > kBaseCoordinates) break;
@@ -89,7 +89,7 @@ void find_trees(Model& model) {
   }
 }
 
-// The velocity coordinates with a torque. Needs idx_v.
+// Returns the velocity coordinates that have a torque. Needs idx_v.
 std::vector<int> actuated_coordinates(const Model& model) {
   std::vector<int> out;
   for (int i = model.floating_base ? 1 : 0; i < model.njoints(); ++i)
@@ -97,7 +97,7 @@ std::vector<int> actuated_coordinates(const Model& model) {
   return out;
 }
 
-// Everything on which patterns and the branches of the algorithms depend.
+// Returns a key with everything on which patterns and the branches of the algorithms depend.
 std::vector<std::uint64_t> key_of(const Model& model) {
   std::vector<std::uint64_t> key{model.floating_base};
   key.reserve(1 + 8 * model.joints.size());
@@ -105,14 +105,14 @@ std::vector<std::uint64_t> key_of(const Model& model) {
     key.insert(key.end(), {static_cast<std::uint64_t>(joint.parent), static_cast<std::uint64_t>(joint.type),
                            joint.actuated, joint.placement_rotates, static_cast<std::uint64_t>(joint.axis_kind)});
     for (int k = 0; k < 3 && joint.axis_kind == 3; ++k)
-      key.push_back(std::bit_cast<std::uint64_t>(joint.axis[k] + 0.0));  // -0 is 0
+      key.push_back(std::bit_cast<std::uint64_t>(joint.axis[k] + 0.0));  // + 0.0 makes -0 equal to 0
   }
   return key;
 }
 
 }  // namespace
 
-/// An identity shared by all models of one structure: only its address is used.
+/// An identity that all models of one structure share: only its address is used.
 struct ModelStructure {};
 
 void finalize(Model& model) {

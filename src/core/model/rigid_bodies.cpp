@@ -14,7 +14,7 @@ RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3
   if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
   alone_.emplace();
   alone_->name = model.name;
-  alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // owned by the caller
+  alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // the caller owns the model
   alone_->base = base;
 }
 
@@ -46,7 +46,7 @@ int RigidBodies::njoints() const {
 
 namespace {
 
-// The number of a link, or of the link behind a joint of the file, fixed joints included; -1: none.
+// Returns the number of a link, or of the child link of a joint of the file (also a fixed joint); -1: none.
 int frame_number(const Model& model, const std::string& name) {
   const int frame = model.find_frame(name);
   if (frame >= 0 || name.empty()) return frame;
@@ -59,7 +59,7 @@ struct Found {
   int robot = 0, number = 0;
 };
 
-// Finds "name" if there is only one robot, or "robot/name".
+// Finds a number by "robot/name", or by "name" if there is only one robot.
 template <class Number, class None>
 Found find(const RigidBodies& bodies, const std::string& name, Number&& number, None&& none) {
   const std::span<const Robot> robots = bodies.robots();

@@ -60,7 +60,7 @@ std::string describe(const Scene& scene, const Attachment& at) {
 
 namespace {
 
-// Returns why a contact cannot connect A and B, or nothing if it can.
+// Returns why a contact cannot connect frames A and B, or "" if it can.
 std::string problem(const Scene& scene, const Attachment& A, const Attachment& B) {
   if (A.robot < 0) return "has frame A in the world, expected it on a robot";
   if (A.robot == B.robot && A.joint == B.joint) {
@@ -102,7 +102,7 @@ int add_contact(Scene& scene, Contact contact) {
     const double norm = direction.stableNorm();
     if (!std::isfinite(norm)) refuse_if("has " + name + " that is not finite, expected a direction");
     if (norm < kZeroDirection) refuse_if("has a zero " + name.substr(name.find(' ') + 1) + ", expected a direction");
-    if (std::abs(norm - 1) > 4 * std::numeric_limits<double>::epsilon()) direction /= norm;  // else its bits remain
+    if (std::abs(norm - 1) > 4 * std::numeric_limits<double>::epsilon()) direction /= norm;  // otherwise unchanged
   };
   make_unit("an axis", contact.axis);
   if (contact.normal) {

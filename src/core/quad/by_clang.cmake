@@ -1,5 +1,5 @@
-# The sources of the directory that includes this are compiled by MANYCONTACT_TESTS_CLANG, where that is set and the
-# compiler is GCC. clang takes GCC's options, standard library and precompiled headers' file names; GCC links.
+# MANYCONTACT_TESTS_CLANG, if set, compiles the sources of the including directory in place of GCC. clang accepts GCC's
+# options, standard library and names of precompiled headers; GCC links.
 if(NOT MANYCONTACT_TESTS_CLANG OR NOT CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   return()
 endif()
@@ -8,7 +8,7 @@ string(REPLACE "<CMAKE_CXX_COMPILER>" "${MANYCONTACT_TESTS_CLANG}" CMAKE_CXX_COM
 list(REMOVE_ITEM own_flags -Wno-restrict)
 list(APPEND own_flags -fpch-instantiate-templates)
 
-# quadmath.h alone of the headers that GCC keeps for itself.
+# The only header of GCC that clang uses here is quadmath.h; other headers of GCC are its own.
 set(quadmath ${PROJECT_BINARY_DIR}/quadmath)
 if(NOT EXISTS ${quadmath}/quadmath.h)
   execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=include/quadmath.h OUTPUT_VARIABLE header

@@ -23,7 +23,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   least.assign(K.n, 0.0);
   for (int k = 0; k < K.n; ++k) {
     if (of_M[k]) continue;
-    double size = 0;  // largest entry of row k of J in columns of M before it
+    double size = 0;  // largest entry of row k of J, in the columns of M before it
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
     const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
     least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
@@ -43,8 +43,8 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // Rows of J add terms to the pivot of a later row of M. If these dominate M's own entry, the rows of J had no sound
-    // pivot from the rows of M before them.
+    // Rows of J before a row of M add terms to its pivot. If these terms dominate M's own entry, the rows of J had no
+    // sound pivot from the rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -68,7 +68,7 @@ using Errors = std::array<double, kColumns>;
 
 double* row_of(std::vector<double>& panel, int k) { return panel.data() + static_cast<std::ptrdiff_t>(k) * kColumns; }
 
-// y += factor x, rows of panels.
+// y += factor x, for one row x, y of two panels.
 void add_row(double factor, const double* x, double* y) {
   Chunk sum = Chunk::load(y);
   sum.add(factor, x);
@@ -84,7 +84,7 @@ void clear(std::vector<double>& panel, std::vector<int>& listed, DependentRows& 
   listed.clear();
 }
 
-// residual <- J^T N for the panel's columns. Returns the largest entry of each column, relative to the rows' sizes.
+// residual <- J^T N for the panel's columns. Returns each column's largest residual, relative to the sizes of its rows.
 Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
                             const double* row_scale, DependentRows& rows) {
   clear(rows.residual, rows.touched, rows);
@@ -107,19 +107,19 @@ Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::sp
   return largest;
 }
 
-// Whether row k was dropped by an exchange, or still waits. Such a row may depend on later rows.
+// Whether row k was dropped by an exchange, or still waits, so that it may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
          std::find(w.rows.begin() + w.joined, w.rows.end(), k) != w.rows.end();
 }
 
-// Finds J's entries in later rows of M.
+// Lists J's entries in rows of M that follow the row of J (Jp, Ji).
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
   const auto each = [&](auto&& use) {
-    bool any = false;  // whether a row of J precedes
+    bool any = false;  // whether a row of J precedes row k
     for (int k = 0; k < K.n; ++k) {
       any = any || !of_M[k];
       for (int p = K.p[k]; any && of_M[k] && p < K.p[k + 1]; ++p)
@@ -137,16 +137,16 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// Computes columns e_k - z of N in the panel rows.N, with L^T z = l_k over the rows of J before k, for up to kColumns
-// dropped rows k.
+// Computes columns e_k - z of N in the panel rows.N, for up to kColumns dropped rows k: L^T z = row k of L, over the
+// rows of J before k.
 void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
   for (std::size_t c = 0; c < dropped.size(); ++c) row_of(rows.N, dropped[c])[c] = -1, rows.met[dropped[c]] = 1;
-  int first = least;  // rows before it are zero
+  int first = least;  // rows of the panel before `first` are zero
   for (int j = last; j >= first; --j) {
     if (!rows.met[j]) continue;
-    double* n = row_of(rows.N, j);  // -n_j so far
+    double* n = row_of(rows.N, j);  // row j of the panel: entries -n_j, now complete
     bool any = false;
     for (int c = 0; c < kColumns; ++c) {
       n[c] = std::abs(n[c]) <= tolerance::kNullEntry ? 0 : -n[c];
@@ -166,12 +166,12 @@ void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, cons
   }
 }
 
-// Refines the panel's columns that `which` flags by z += K_kept^-1 (residual of z). It is needed if the kept pivots
-// were too small for an accurate l_k, or if a row that was exchanged also depends on later rows.
+// Refines the panel's columns that `which` flags: z += K_kept^-1 (residual of z). This is needed if kept pivots were
+// too small for accurate rows of L, or if an exchanged row also depends on later rows.
 void refine_columns(std::span<const char> of_M, std::span<const int> dropped, const std::array<bool, kColumns>& which,
                     const SolvePanel& solve, DependentRows& rows) {
   const int n = static_cast<int>(of_M.size());
-  std::array<int, kColumns> end{};  // column c may have entries in rows before end[c]
+  std::array<int, kColumns> end{};  // column c may have entries only in rows before end[c]
   for (std::size_t c = 0; c < dropped.size(); ++c)
     end[c] = !which[c] ? 0 : is_turned(rows, dropped[c]) ? n : dropped[c];
   rows.x.assign(static_cast<std::size_t>(n) * kColumns, 0.0);
@@ -202,7 +202,7 @@ void append_columns(std::span<const int> dropped, DependentRows& rows) {
   }
 }
 
-// Prepares the memory for the columns to be found.
+// Clears N and prepares the memory for its columns.
 void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Np.assign(1, 0);
   rows.Ni.clear();
@@ -213,12 +213,12 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   rows.met.assign(K.n, 0);
   for (std::vector<double>* panel : {&rows.N, &rows.residual})
     panel->assign(static_cast<std::size_t>(K.n) * kColumns, 0.0);
-  // The number of rows used varies with rounding, and memory must not.
+  // Reserve the most: the number of listed rows varies with rounding, and memory must not.
   for (std::vector<int>* listed : {&rows.of_N, &rows.touched}) listed->clear(), listed->reserve(K.n);
   take_later_entries(K, of_M, rows);
 }
 
-// Computes and appends the columns of N of the rows from rows.dropped[first] on.
+// Computes columns of N for the dropped rows from rows.dropped[first] on, and appends these to N.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                   const double* row_scale, const double* Lx, const SolvePanel& solve, std::size_t first,
                   DependentRows& rows) {
@@ -228,7 +228,7 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
     null_columns(s, of_M, Lx, dropped, rows);
     Errors before, error = dependence_residuals(K, Kx, of_M, row_scale, rows);
     before.fill(std::numeric_limits<double>::infinity());
-    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {  // refines each column as sparse/refine.hpp does
+    for (int step = 0; step < tolerance::kNullColumnSteps; ++step) {  // refines columns while their error halves
       std::array<bool, kColumns> which{};
       for (int c = 0; c < kColumns; ++c) which[c] = error[c] > tolerance::kNullColumn && error[c] < 0.5 * before[c];
       if (std::ranges::count(which, true) == 0) break;
@@ -245,7 +245,7 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Keeps the rows that certainly depend, and their columns; the others wait. Returns the number of rows kept.
+// Keeps plainly dependent rows and their columns of N; the other rows wait. Returns the number of rows kept.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;
@@ -264,7 +264,7 @@ std::size_t keep_plain_columns(DependentRows& rows) {
   rows.Np.resize(plain + 1);
   rows.Ni.resize(end);
   rows.Nx.resize(end);
-  rows.largest_residual = 0;  // the kept columns leave at most kRowLeft
+  rows.largest_residual = 0;  // columns that remain leave at most kRowLeft
   return plain;
 }
 

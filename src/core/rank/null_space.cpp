@@ -1,4 +1,4 @@
-// The projector on the null space of J^T: clusters of the columns of N, a basis of each, and the exchange of rows.
+// The projector on the null space of J^T: clusters of columns of N, a basis of each cluster, and exchanges of rows.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -32,9 +32,9 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
 }
 
-// Lists the rows of K in which a cluster's columns of N have entries: first the dropped rows, then the kept ones.
+// Lists the rows of K in which a cluster's columns of N have entries: first its dropped rows, then kept rows.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
-  constexpr int kListed = -2;  // marks a row in rows.owner
+  constexpr int kListed = -2;  // marks a row as listed, in rows.owner
   std::vector<int>& all = rows.cluster_rows;
   cluster.row = static_cast<int>(all.size());
   for (int a = 0; a < cluster.count; ++a) all.push_back(rows.Ni[rows.Np[rows.members[cluster.first + a]]]);
@@ -48,13 +48,13 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// Computes B of a cluster as the basis [Z; 1] of the complement of its columns [1; -Z] of N: one column per kept row.
+// Computes B of a cluster as [Z^T; 1], a basis of the complement of its columns [1; -Z] of N: a column per kept row.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // position of the next entry in the column of each kept row
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
-  const auto each = [&](auto&& use) {  // the dropped rows' own entries are skipped
+  const auto each = [&](auto&& use) {  // all entries of N but the dropped rows' own
     for (int a = 0; a < cluster.count; ++a) {
       const int k = rows.dropped[rows.members[cluster.first + a]];
       each_of_null(rows, cluster, a, [&](int j, double value) {
@@ -94,8 +94,9 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// Computes an orthonormal basis of N's columns, dense in the cluster's rows, by Gram-Schmidt twice, largest remainder
-// first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). An error J^T n grows by |column| / |remainder|.
+// Computes an orthonormal basis of a cluster's columns of N, dense in the cluster's rows, by Gram-Schmidt twice,
+// largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). Errors J^T n grow by
+// |column|/|remainder|.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -124,7 +125,7 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
   return largest;
 }
 
-// Computes B of a cluster.
+// Computes B of a cluster: orthonormal if entries of N are large, else N or the complement, whichever is smaller.
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);
@@ -145,7 +146,7 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Groups the columns of N that share rows into clusters.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // owner: per row of K a column of N with an entry there, or -1; then per column the first column of its cluster
+  // owner: for each row of K a column of N with an entry there, or -1; then for each column the first of its cluster
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
@@ -156,7 +157,7 @@ void make_clusters(int n, DependentRows& rows) {
       if (of >= 0 && of != joined) sets.join(joined = of, c);
     }
   }
-  constexpr std::size_t kReserved = 64 * 64;  // constant: clusters vary with rounding errors, memory must not
+  constexpr std::size_t kReserved = 64 * 64;  // constant: clusters vary with rounding errors, but memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
   rows.cluster_rows.clear();
@@ -207,7 +208,7 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
     const int count = std::min(kColumns, cluster.size - a);
     for (int i = 0; i < count; ++i)
       each_of_basis(rows, cluster, a + i, [&](int k, double value) { row(k)[i] = value; });
-    for (int b = a; b < cluster.size; ++b) {  // the lower half
+    for (int b = a; b < cluster.size; ++b) {  // the lower half of B^T B
       Chunk sum = Chunk::all(0);
       each_of_basis(rows, cluster, b, [&](int k, double value) { sum.add(value, row(k)); });
       double products[kColumns];
@@ -220,9 +221,9 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
-// Approximately maximises the volume of the square submatrix of N's dropped rows: Goreinov, Oseledets, Savostyanov,
-// Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010). N = [1; -Z] in the dropped and the kept rows;
-// exchanging kept row i with dropped row j is a pivot step on N_ij.
+// Approximately maximises the volume of the square block of N in the dropped rows: Goreinov, Oseledets, Savostyanov,
+// Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010). N = [1; -Z] in the dropped and the kept rows. The
+// exchange of kept row i with dropped row j is a pivot step on N_ij.
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
   if (!is_small(cluster)) return false;
   const int* row = rows.cluster_rows.data() + cluster.row;
@@ -242,7 +243,7 @@ bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& clus
   return exchanged;
 }
 
-// T <- (B^T B)^-1 T with the Cholesky factor in `gram`.
+// T <- (B^T B)^-1 T with the Cholesky factor of B^T B in rows.gram.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
   const int n = cluster.size;
@@ -257,8 +258,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// Calls use(cluster) for each cluster, twice for orthonormal bases: their kept rows are so small that entries of N are
-// large, and the second call removes the rounding errors of the first.
+// Calls use(cluster) for each cluster, twice if its basis is orthonormal: N then has large entries, as its kept rows
+// are small, and the second projection removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)
@@ -304,7 +305,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
     if (cluster.kind ==
-        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, and B t is added
+        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, then B t is added
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -322,7 +323,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
 
 namespace {
 
-// Whether one of the cluster's rows is non-zero; then all of them will be, and their flags are set.
+// Whether one of the cluster's rows of X is nonzero. Then all of them become nonzero, and their flags are set.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
   const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
   const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });
@@ -335,7 +336,7 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  constexpr int kColumns = 64;  // columns at a time; clusters vary with rounding errors, memory must not
+  constexpr int kColumns = 64;  // columns at a time; constant: clusters vary with rounding, memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
   each_projection(rows, [&](const DependentRows::Cluster& cluster) {

@@ -1,6 +1,6 @@
-# Kernels for panels and dense blocks (sparse) and SIMD batches of robots (dynamics). levels.cpp chooses among the levels
-# of instructions when the program runs. A level above the compiler's own is linked by itself, and only symbols named
-# after it stay visible: the linker might otherwise take Eigen's and std's functions from it for the whole program.
+# Kernels for panels and dense blocks (sparse) and SIMD batches of robots (dynamics), for several SIMD levels, one of
+# which levels.cpp chooses at run time. Each level above the compiler's own is linked separately, and only symbols named
+# after it stay visible: the linker might otherwise take Eigen's and std's functions from this level everywhere.
 option(MANYCONTACT_LANES "Compile kernels for AVX2 and AVX-512, where the compiler and GNU binutils can" ON)
 option(MANYCONTACT_PORTABLE "Compile the kernels of all levels of instructions, not of this machine alone" OFF)
 
@@ -11,7 +11,7 @@ set(lane_flags_avx2 -mavx2 -mfma)
 set(lane_width_avx512 8)
 set(lane_flags_avx512 -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx512cd -mavx2 -mfma -mprefer-vector-width=512)
 
-# Wide packs are copied by whole registers: a load of one waits long for data that were stored in pieces.
+# Copies wide packs by whole registers: loading a pack stalls after it was stored in pieces.
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-mmove-max=256 MANYCONTACT_MOVES_BY_REGISTERS)
 if(MANYCONTACT_MOVES_BY_REGISTERS)  # GCC 12
@@ -19,7 +19,7 @@ if(MANYCONTACT_MOVES_BY_REGISTERS)  # GCC 12
   list(APPEND lane_flags_avx512 -mmove-max=512 -mstore-max=512)
 endif()
 
-# Sanitizers keep tables of a file's symbols, which would no longer fit.
+# No levels with sanitizers: their tables of a file's symbols would not fit after the separate linking.
 set(lane_levels baseline)
 if(MANYCONTACT_LANES AND CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64)$" AND CMAKE_LINKER AND CMAKE_OBJCOPY
    AND NOT MANYCONTACT_FUZZ AND NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize|--coverage")
@@ -44,25 +44,25 @@ if(NOT MANYCONTACT_PORTABLE AND NOT CMAKE_CROSSCOMPILING)
   set(lane_levels ${highest})
 endif()
 
-# SIMD batches of robots, after the templates of the forward path that they are made of: one unit, in which these are instantiated
-# for packs of the level's width and for packs of one.
+# Sources of SIMD batches: first the templates of the forward path, then the batches, as one unit. It instantiates the
+# templates for packs of the level's width and for packs of one robot.
 set(robot_sources src/core/algorithm/crba.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                   src/core/algorithm/rnea_derivatives.cpp src/core/algorithm/rnea_products.cpp
                   src/core/contact/derivatives.cpp src/core/contact/pair_motion.cpp src/core/contact/products.cpp src/core/contact/rows.cpp
                   src/core/dynamics/lanes/level.cpp)
 set(panel_sources sparse/src/panels/level.cpp)
 set(block_sources sparse/src/blocks/level.cpp)
-# The same templates in double-double, for the precision `extended`.
+# Sources for the precision `extended`: the same templates in double-double.
 set(extended_sources src/core/algorithm/applied_forces.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                      src/core/contact/pair_motion.cpp src/core/contact/rows.cpp src/core/dynamics/extended/level.cpp)
-# Robots alone in floats, twice as many in a register.
+# Sources for single precision: islands of one robot in floats, with twice as many robots in a register.
 set(single_sources src/core/algorithm/crba.cpp src/core/algorithm/kinematics.cpp src/core/algorithm/rnea.cpp
                    src/core/contact/pair_motion.cpp src/core/contact/rows.cpp src/core/dynamics/lanes/single.cpp)
-# Both once more for one robot at a time: in packs of one, as the level one_LEVEL. Apart, they take half the memory.
+# Both lists once more for packs of one robot, as the level one_LEVEL; compiled separately, they take half the memory.
 set(one_robot_sources ${robot_sources})
 set(one_single_sources ${single_sources})
 
-# The static library manycontact_kernels. Modules call its kernels, and these call modules: static libraries may.
+# The static library manycontact_kernels. Its kernels and the modules call each other, which static libraries may do.
 target_link_libraries(manycontact INTERFACE manycontact_kernels)
 if(MANYCONTACT_FUZZ_LINKS)
   built_module(kernels manycontact_kkt)
@@ -81,7 +81,7 @@ function(kernels kind level)
     return()
   endif()
   add_library(${target} OBJECT ${${kind}_sources})
-  add_dependencies(manycontact_kernels ${target})  # Makefiles do not see it through the objects
+  add_dependencies(manycontact_kernels ${target})  # Makefiles do not see this dependency through the objects
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)
   target_compile_options(${target} PRIVATE ${own_flags} -Wno-psabi -ffp-contract=off ${lane_flags_${level}})
   set(one)
@@ -91,7 +91,7 @@ function(kernels kind level)
   target_compile_definitions(${target} PRIVATE MANYCONTACT_LEVEL=${one}${level})
   set(max_align 64)
   set(static_align 64)
-  if(kind STREQUAL "extended")  # no packs: the library's own headers, alignment and memory
+  if(kind STREQUAL "extended")  # no packs here: headers, alignment and memory are the library's
     set(max_align ${abi_max_align})
     set(static_align ${abi_static_align})
     target_compile_definitions(${target} PRIVATE $<$<NOT:$<STREQUAL:${level},baseline>>:EIGEN_DONT_VECTORIZE>)
@@ -112,11 +112,11 @@ function(kernels kind level)
   target_link_libraries(${target} PRIVATE Eigen3::Eigen)
   target_compile_features(${target} PRIVATE cxx_std_20)
   if(NOT level STREQUAL "baseline")
-    # Vectors of the level's width want their own alignment; no memory of Eigen's crosses the border.
+    # Vectors of the level need their own alignment. No memory that Eigen allocates passes between levels and library.
     target_compile_options(${target} PRIVATE
       $<$<CXX_COMPILER_ID:GNU>:-fno-gnu-unique> -UEIGEN_MAX_ALIGN_BYTES -UEIGEN_MAX_STATIC_ALIGN_BYTES
       -DEIGEN_MAX_ALIGN_BYTES=${max_align} -DEIGEN_MAX_STATIC_ALIGN_BYTES=${static_align}
-      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC 12 warns of its own AVX-512 header
+      $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)  # GCC 12 warns about its own AVX-512 header
   endif()
   set(objects_${level} ${objects_${level}} $<TARGET_OBJECTS:${target}> PARENT_SCOPE)
 endfunction()

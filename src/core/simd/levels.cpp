@@ -23,8 +23,8 @@ namespace simd {
 
 namespace {
 
-// Each level runs on every processor that runs the next wider one. Eigen's dense products and double-double, which only
-// needs fused multiply-add, gain nothing from AVX-512.
+// A processor that runs a level also runs all levels after it. The avx512 level has dense products and double-double of
+// avx2: these need only fused multiply-add, and gain nothing from AVX-512.
 constexpr Level kLevels[] = {
 #ifdef MANYCONTACT_LEVEL_avx512
     {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, lanes::level_one_avx512,

@@ -1,4 +1,4 @@
-// Whether this processor has the instructions of a level: those of lane_flags_LEVEL in levels.cmake.
+// Whether this processor supports a level's instructions: those of lane_flags_LEVEL in levels.cmake.
 #pragma once
 #if defined(__x86_64__)
 namespace manycontact::simd {

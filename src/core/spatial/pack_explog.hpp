@@ -1,5 +1,5 @@
 #pragma once
-// The functions of explog.hpp for SIMD batches, robot by robot, since logarithms have branches.
+// The functions of explog.hpp for SIMD batches. They loop over the robots, since logarithms have branches.
 
 #include "manycontact/spatial/explog.hpp"
 

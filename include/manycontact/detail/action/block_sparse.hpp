@@ -1,5 +1,5 @@
 #pragma once
-// A sparse matrix that is a sum of small dense blocks, whose pattern is computed once.
+// A sparse matrix that is the sum of small dense blocks; its pattern is computed once.
 
 #include <Eigen/SparseCore>
 #include <vector>
@@ -11,15 +11,15 @@ namespace manycontact {
 class BlockSparse {  // A sparse matrix made of dense blocks.
  public:
   void clear() { planned_.clear(); }  // removes all blocks
-  /// Adds a block to the pattern; returns its number. rows[i], cols[j]: places of the block's rows and columns.
+  /// Adds a block to the pattern; returns its number. rows[i], cols[j]: matrix indices of the block's rows and columns.
   std::size_t plan(const std::vector<int>& rows, const std::vector<int>& cols);
   std::size_t size() const { return planned_.size(); }  // the number of blocks
   void finish(int rows, int cols);                      // computes the pattern of all blocks
 
   void set_zero();  // sets all values to zero
-  /// The index of a block's first number among the values of the matrix.
+  /// The index of a block's first number in the array of the matrix's values.
   std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
-  /// Computes matrix += weight * values at the places of a block. values: rows x cols of the block.
+  /// Computes matrix += weight * values in the entries of a block. values: as many rows and columns as the block has.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values) {
     double* A = matrix.valuePtr();
@@ -31,7 +31,7 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
     }
   }
 
-  /// Adds selected rows of `values`, as many as the block has.
+  /// Computes matrix += weight * (selected rows of `values`) in a block; `rows` are as many as the block has.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values, const std::vector<int>& rows) {
     double* A = matrix.valuePtr();
@@ -44,12 +44,12 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
 
  private:
   struct Run {
-    int slot, count;  // entries of one column in consecutive slots
+    int slot, count;  // consecutive slots of one column's entries
   };
   struct Block {
     std::vector<int> rows, cols;
-    std::vector<int> slots;  // slot of each entry, column by column
-    std::vector<Run> runs;   // runs of consecutive slots
+    std::vector<int> slots;  // slot of each entry of the block, column by column
+    std::vector<Run> runs;   // the same slots as runs of consecutive slots
   };
   std::vector<Block> planned_;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// Groups of residual blocks with the same columns: one product gives the sum of their Hessians w Rx^T Arr Rx, ...
+// Groups of residual blocks with the same columns: one product per group gives their Hessians, sum w Rx^T Arr Rx, ...
 
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace manycontact {
 
 struct CostDataAbstract;
 
-/// Blocks of residuals whose Jacobians have the same columns.
+/// Residual blocks of several costs whose Jacobians have the same columns.
 struct CostGroup {
   std::vector<int> xcols, ucols;
   /// One block of the group.
@@ -19,24 +19,24 @@ struct CostGroup {
     std::size_t index, block;  // index of the cost in the stack; number of the block in its residual
   };
   std::vector<Member> members;
-  /// Consecutive columns.
+  /// Consecutive columns of the group that are consecutive in x or u, too.
   struct Run {
-    int first, at, count;  // columns first, first + 1, ... are columns at, at + 1, ... of the group
+    int first, at, count;  // columns first, first + 1, ... of x or u are columns at, at + 1, ... of the group
   };
   std::vector<Run> xruns, uruns;
-  std::size_t xx = 0, xu = 0, uu = 0;  // the group's blocks in the sparse matrices
+  std::size_t xx = 0, xu = 0, uu = 0;  // numbers of the group's blocks in the sparse matrices Lxx, Lxu, Luu
 };
 
-/// A row that depends on one coordinate only.
+/// A residual row that depends on one coordinate only: its Hessian is one diagonal number.
 struct CostSquare {
   const CostDataAbstract* cost;
-  const RowMajorMatrix* J;  // Jacobian of the block, one column; null: `constant` is used
+  const RowMajorMatrix* J;  // Jacobian of the row's block, one column; null: the derivative is `constant`
   double constant;
-  int at;           // the row in the block
+  int at;           // index of the row in its block
   int index;        // number of the cost in the stack
-  int row, column;  // row in the residual; column in x or in u
+  int row, column;  // row: index in the residual; column: index in x or in u
   bool by_x;
-  std::size_t entry;  // number of its block, later of its entry, in the sparse matrix
+  std::size_t entry;  // number of its block in the sparse matrix; after lay_out, number of its entry
 };
 
 /// A cost of a user-defined class, whose derivatives are whole matrices.

@@ -9,8 +9,8 @@
 
 namespace manycontact {
 
-// The functions below throw std::invalid_argument if the state is not a StateMultibody, or has no such frame. shared:
-// the member of the residual's or cost's data.
+// The functions throw std::invalid_argument if the state is not a StateMultibody, or has no such frame. shared: the
+// member `shared` of the data of a residual or cost.
 
 /// The placement oMf of the frame in the world [m].
 SE3<double> frame_placement(const StateAbstract& state, const DataCollector& shared, FrameIndex frame);
@@ -19,7 +19,7 @@ SE3<double> frame_placement(const StateAbstract& state, const DataCollector& sha
 Vec6<double> frame_velocity(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                             ReferenceFrame axes = ReferenceFrame::kLocal);
 
-/// The frame's Jacobian, 6 x nv of the state: frame_velocity = J v. It is also the derivative of the placement with
+/// The frame's Jacobian J, 6 x nv of the state: frame_velocity = J v. J is also the derivative of the placement with
 /// respect to q on the tangent space. Allocates.
 Mat6X<double> frame_jacobian(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                              ReferenceFrame axes = ReferenceFrame::kLocal);

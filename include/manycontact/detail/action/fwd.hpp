@@ -1,5 +1,5 @@
 #pragma once
-// Names that code written for Crocoddyl expects, and checks of arguments.
+// Names that code written for Crocoddyl expects, and functions that check arguments.
 
 #include <Eigen/Core>
 #include <limits>
@@ -24,7 +24,7 @@ inline constexpr ContactType Contact2D = ContactType::k2D;
 inline constexpr ContactType Contact3D = ContactType::k3D;
 inline constexpr ContactType Contact6D = ContactType::k6D;
 
-/// Selects the default number of controls: that of the actuation if there is one, otherwise nv.
+/// As an argument: the number of controls is that of the actuation if there is one, otherwise nv.
 inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
 
 using Motion = Vec6<double>;  // [linear; angular]
@@ -49,7 +49,7 @@ class Printable {
   virtual ~Printable() = default;
   virtual void print(std::ostream& os) const = 0;  // prints type and sizes
 };
-/// Prints it as `print` does.
+/// Prints an object as its `print` does.
 inline std::ostream& operator<<(std::ostream& os, const Printable& x) {
   x.print(os);
   return os;
@@ -59,7 +59,7 @@ using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
 
-/// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" if the numbers differ.
+/// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" unless given equals expected.
 inline void check_size(const char* where, const char* what, Eigen::Index given, std::size_t expected) {
   if (given != static_cast<Eigen::Index>(expected))
     throw std::invalid_argument(std::string(where) + ": " + what + " has " + std::to_string(given) + " numbers, " +
@@ -85,13 +85,13 @@ inline void require(bool condition, const std::string& where, const std::string&
 
 namespace internal {
 
-/// A range of settings, and its description in messages.
+/// A range of allowed values of a setting, and its description in messages.
 struct Range {
   double low;
-  bool has_low;  // whether `low` belongs to it; `high` does
+  bool has_low;  // whether the range includes `low`; it always includes `high`
   double high;
   const char* what;
-  /// Sets a number; throws std::invalid_argument "where: what" if it is not in the range.
+  /// Sets `to`; throws std::invalid_argument "where: what" if the number is not in the range.
   void set(double& to, double number, const char* where) const {
     require((has_low ? number >= low : number > low) && number <= high, where, what);
     to = number;
@@ -111,7 +111,7 @@ inline std::vector<int> range(int first, int n) {
   return numbers;
 }
 
-/// Casts data to a model's own type; throws std::invalid_argument if they are null or of another type.
+/// Casts data to the model's own type Data; throws std::invalid_argument if data are null or of another type.
 template <class Data, class Base>
 Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   Data* own = dynamic_cast<Data*>(&check_data(where, data));
@@ -120,7 +120,7 @@ Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   return *own;
 }
 
-/// Returns part; throws std::invalid_argument if it is null. what: "a model".
+/// Returns part; throws std::invalid_argument if part is null. what: its description in the message, "a model".
 template <class Part>
 const std::shared_ptr<Part>& given(const char* where, const std::shared_ptr<Part>& part, const char* what = "a model") {
   if (part == nullptr)

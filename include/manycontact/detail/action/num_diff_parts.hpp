@@ -1,8 +1,8 @@
 #pragma once
-// Parts of an action model whose derivatives are central differences of another part. They are meant for user-defined
-// parts, and for tests; the names are Crocoddyl's. The step is absolute on tangent spaces, relative to max(1, |u_i|) in
-// u. Standalone parts depend on more than x and u: set_reevals takes functions that update these data. They are called
-// with each x, u before the part's calc, and finally at the point itself.
+// Parts of an action model whose derivatives are central differences of another part, for user-defined parts and for
+// tests; the names are Crocoddyl's. The step is absolute on tangent spaces, and relative to max(1, |u_i|) in u.
+// Standalone parts depend on more than x and u: set_reevals takes functions that update this other data. The functions
+// are called with each x, u before the part's calc, and finally at the point where derivatives are computed.
 
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"
@@ -10,10 +10,10 @@
 
 namespace manycontact {
 
-/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state; everything else is the state's own.
+/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state by differences; the rest is the state's own.
 class StateNumDiff : public StateAbstract, public internal::Step {
  public:
-  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the one that is differentiated
+  explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the state to differentiate
   Eigen::VectorXd zero() const override { return state_model_->zero(); }
   Eigen::VectorXd rand() const override { return state_model_->rand(); }
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override {
@@ -33,10 +33,10 @@ class StateNumDiff : public StateAbstract, public internal::Step {
   std::shared_ptr<StateAbstract> state_model_;
 };
 
-/// Differentiates an activation: Ar, and the diagonal of the Hessian.
+/// Differentiates an activation by differences: Ar, and the diagonal of the Hessian.
 class ActivationModelNumDiff : public ActivationModelAbstract, public NumDiffOf<ActivationModelAbstract> {
  public:
-  /// model: the one that is differentiated.
+  /// model: the activation to differentiate.
   explicit ActivationModelNumDiff(std::shared_ptr<ActivationModelAbstract> model)
       : ActivationModelAbstract(internal::given("ActivationModelNumDiff", model)->get_nr()),
         NumDiffOf("ActivationModelNumDiff", model) {}
@@ -47,16 +47,16 @@ class ActivationModelNumDiff : public ActivationModelAbstract, public NumDiffOf<
 
 /// Data of ActivationModelNumDiff.
 struct ActivationDataNumDiff : ActivationDataAbstract {
-  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);  // allocates the data of the model
+  explicit ActivationDataNumDiff(const ActivationModelNumDiff* model);  // allocates the data
   std::shared_ptr<ActivationDataAbstract> data_0;
   Eigen::MatrixXd Arr_;  // nr x nr: the whole Hessian
 };
 
-/// Differentiates an actuation: dtau_dx, dtau_du. Mtau is the pseudoinverse of dtau_du; singular values within the
-/// accuracy of the differences are zero.
+/// Differentiates an actuation by differences: dtau_dx, dtau_du. Mtau is the pseudoinverse of dtau_du; singular values
+/// within the accuracy of the differences count as zero.
 class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<ActuationModelAbstract> {
  public:
-  /// model: the one that is differentiated.
+  /// model: the actuation to differentiate.
   explicit ActuationModelNumDiff(std::shared_ptr<ActuationModelAbstract> model)
       : ActuationModelAbstract(internal::given("ActuationModelNumDiff", model)->get_state(), model->get_nu()),
         NumDiffOf("ActuationModelNumDiff", model) {}
@@ -77,16 +77,16 @@ class ActuationModelNumDiff : public ActuationModelAbstract, public NumDiffOf<Ac
 
 /// Data of ActuationModelNumDiff.
 struct ActuationDataNumDiff : ActuationDataAbstract {
-  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);  // allocates the data of the model
+  explicit ActuationDataNumDiff(const ActuationModelNumDiff* model);  // allocates the data
   std::shared_ptr<ActuationDataAbstract> data_0;
 };
 
-/// Differentiates a residual: Rx, Ru.
+/// Differentiates a residual by differences: Rx, Ru.
 class ResidualModelNumDiff : public ResidualModelAbstract,
                              public NumDiffOf<ResidualModelAbstract>,
                              public internal::Reevaluation {
  public:
-  /// model: the one that is differentiated.
+  /// model: the residual to differentiate.
   explicit ResidualModelNumDiff(const std::shared_ptr<ResidualModelAbstract>& model)
       : ResidualModelAbstract(internal::given("ResidualModelNumDiff", model)->get_state(), model->get_nr(),
                               model->get_nu(), model->get_q_dependent(), model->get_v_dependent(),
@@ -113,7 +113,7 @@ struct ResidualDataNumDiff : ResidualDataAbstract {
   std::shared_ptr<ResidualDataAbstract> data_0;
 };
 
-/// The common base of parts that are differentiated standalone.
+/// The common base of parts that are differentiated by differences outside of an action model.
 template <class Model, class Data>
 class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
  public:
@@ -131,28 +131,28 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
     differentiate(data, x, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(get_nu())), true);
   }
-  /// The state that it was made for.
+  /// The state that the model was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
   std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
 
  protected:
-  /// name: that of the class.
+  /// name: the name of the class, for messages.
   PartNumDiff(const char* name, const std::shared_ptr<Model>& model) : NumDiffOf<Model>(name, model), name_(name) {}
   using NumDiffOf<Model>::model_;
 
  private:
   virtual Eigen::VectorXd values(const Data& data) const = 0;  // the numbers that are differentiated
-  /// Stores their derivatives. by_u is null in a terminal node.
+  /// Stores the derivatives of `values` in data. by_u is null in a terminal node.
   virtual void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, Data& data) const = 0;
   void differentiate(const std::shared_ptr<Data>& data, const Eigen::VectorXd& x, const Eigen::VectorXd& u,
                      bool terminal) const;
   const char* name_;
 };
 
-/// Differentiates a cost: Lx, Lu. Hessians are Gauss-Newton's, with differences of the residual.
+/// Differentiates a cost by differences: Lx, Lu. Hessians are Gauss-Newton's, from differences of the residual.
 class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract> {
  public:
-  /// model: the one that is differentiated.
+  /// model: the cost to differentiate.
   explicit CostModelNumDiff(const std::shared_ptr<CostModelAbstract>& model) : PartNumDiff("CostModelNumDiff", model) {}
   std::shared_ptr<CostDataAbstract> createData(DataCollector* shared);  // creates standalone data
   bool get_with_gauss_approx() const { return true; }                   // whether Hessians are Gauss-Newton's
@@ -162,10 +162,10 @@ class CostModelNumDiff : public PartNumDiff<CostModelAbstract, CostDataAbstract>
   void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& data) const override;
 };
 
-/// Differentiates a constraint: Gx, Gu, Hx, Hu.
+/// Differentiates a constraint by differences: Gx, Gu, Hx, Hu.
 class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, ConstraintDataAbstract> {
  public:
-  /// model: the one that is differentiated.
+  /// model: the constraint to differentiate.
   explicit ConstraintModelNumDiff(const std::shared_ptr<ConstraintModelAbstract>& model)
       : PartNumDiff("ConstraintModelNumDiff", model) {}
   /// Creates data of this model; one per thread.
@@ -176,10 +176,10 @@ class ConstraintModelNumDiff : public PartNumDiff<ConstraintModelAbstract, Const
   void store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, ConstraintDataAbstract& data) const override;
 };
 
-/// Differentiates a contact: da0_dx, at the motion that the reevaluations compute.
+/// Differentiates a contact by differences: da0_dx, at the motion that the reevaluations (set_reevals) compute.
 class ContactModelNumDiff : public NumDiffOf<ContactModelAbstract>, public internal::Reevaluation {
  public:
-  /// model: the one that is differentiated.
+  /// model: the contact to differentiate.
   explicit ContactModelNumDiff(const std::shared_ptr<ContactModelAbstract>& model)
       : NumDiffOf("ContactModelNumDiff", model) {}
   /// Evaluates the model.

@@ -1,5 +1,5 @@
 #pragma once
-// Joint-space inertia. Source: Featherstone (2008), table 6.2, written in the tree frame.
+// Joint-space inertia M. Source: Featherstone (2008), table 6.2, written in the tree frame.
 //
 // M is stored in packed form. Row i contains M(i, i), M(i, p), M(i, p'), ... along the ancestors p = dof_parent[i],
 // ..., and starts at model.M_begin[i]. All other entries of the lower triangle are zero.
@@ -13,7 +13,7 @@ namespace manycontact {
 template <class S>
 void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, S* M);
 
-/// Computes M as above, and stores its entry k in M[slot[k]], for a matrix of which M is a block.
+/// Computes M and stores entry k of its packed form in M[slot[k]], for a larger matrix with M as a block.
 template <class S>
 void crba(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const int* slot, S* M);
 

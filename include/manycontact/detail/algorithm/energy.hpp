@@ -3,12 +3,11 @@
 
 namespace manycontact {
 
-/// Computes the kinetic energy of the bodies and rotors (armature) [J]. Call it after forward_accelerations. v: nv.
+/// Computes the kinetic energy of bodies and rotors (armature) [J]. Call it after forward_accelerations. v: nv.
 template <class S>
 S kinetic_energy(const Model& model, const Kinematics<S>& kin, const ConstVecRef<S>& v);
 
-/// Computes the potential energy in the gravity field [J], zero at the world's origin. Call it after
-/// forward_kinematics.
+/// Computes the potential energy of weight [J], zero at the world's origin. Call it after forward_kinematics.
 template <class S>
 S potential_energy(const Kinematics<S>& kin, const Vec3<double>& gravity);
 
@@ -16,7 +15,7 @@ S potential_energy(const Kinematics<S>& kin, const Vec3<double>& gravity);
 template <class S>
 Vec3<S> center_of_mass(const Kinematics<S>& kin);
 
-/// Computes the momentum of the bodies about the world's origin, in world axes: linear [N s], angular [N m s].
+/// Computes the bodies' total momentum about the world's origin, in world axes: linear [N s], angular [N m s].
 template <class S>
 Vec6<S> momentum(const Kinematics<S>& kin);
 

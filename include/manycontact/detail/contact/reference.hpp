@@ -7,23 +7,22 @@
 
 namespace manycontact {
 
-/// Sets the reference placement of a contact: moves B' to the placement of A at the configuration q (scene.nq), so that
-/// the error is zero. Its origin is moved if `position`, its axes are rotated if `orientation`. The contact need not be
-/// part of the scene yet. Throws std::invalid_argument unless q has scene.nq finite numbers, and quaternions of unit
-/// length within 1e-6.
+/// Sets the reference placement of a contact: moves B' to A's placement at q (scene.nq), so that the error is zero. The
+/// origin of B' moves if `position`, its axes rotate if `orientation`. The contact need not be part of the scene yet.
+/// Throws std::invalid_argument unless q has scene.nq finite numbers, and quaternions of unit length within 1e-6.
 void resolve_reference(const Scene& scene, const ConstVectorRef& q, bool position, bool orientation, Contact& contact);
 
 /// Sets the reference placement of every contact of the scene, origin and axes, so that all errors are zero at q
-/// (scene.nq). References that a scene file leaves out are set like this. Existing SceneData use the new placements.
-/// Throws as above.
+/// (scene.nq). Scene files without references are read with this. Existing SceneData use the new placements. Throws as
+/// resolve_reference does.
 void resolve_references(Scene& scene, const ConstVectorRef& q);
 
-/// Sets the reference placements of many contacts of one scene at one q. It keeps references to both, so that they must
+/// Sets the reference placements of many contacts of one scene at one q. It refers to the scene and q, which must
 /// outlive it. The kinematics of the last two robots are cached.
 class ReferenceResolver {
  public:
   ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: scene.nq entries
-  void resolve(bool position, bool orientation, Contact& contact);  // does what resolve_reference does
+  void resolve(bool position, bool orientation, Contact& contact);  // does what the function resolve_reference does
 
  private:
   SE3<double> placement(const Attachment& at, const SE3<double>& offset);
@@ -34,7 +33,7 @@ class ReferenceResolver {
     int robot = -1;
     std::unique_ptr<Kinematics<double>> kin;
   };
-  std::array<Places, 2> known_;  // the most recent one first
+  std::array<Places, 2> known_;  // kinematics of two robots, the most recent one first
 };
 
 }  // namespace manycontact

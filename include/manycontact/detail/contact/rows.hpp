@@ -1,6 +1,6 @@
 #pragma once
-// The constraint rows of one contact. A and B' are the contact's frames, G = B'MA, and X is the action of AMB', all in
-// A's axes:
+// The constraint rows of one contact with frames A and B'. G = B'MA is A's placement in B', X the action of AMB'. v_A,
+// a_A, J_A (v_B' ...) are spatial velocity, acceleration and Jacobian of A (B'). All are in A's axes:
 //
 // clang-format off
 //     nu    = v_A - X v_B'                        J_l = J_A - X J_B'   (6 x its columns)
@@ -10,13 +10,13 @@
 //     5D:         x_lin as 3D,  x_ang = nudot_ang + alpha m x n + beta nu_ang
 // clang-format on
 //
-// The axis in A is n, and the axis in B', expressed in A, is m = R_AB' n. If the two are aligned, m x n vanishes for
-// any rotation of A about them; its rate is then nu_ang across n. (log6(G) is not suitable: half a revolution away from
-// B', its rows across n respond to a deviation at a right angle to it.)
+// The axis in A is n, and the axis in B', expressed in A, is m = R_AB' n. If n and m are parallel, m x n vanishes for
+// any rotation of A about n, and its rate is then the part of nu_ang across n. (log6(G) is not used: near half a
+// revolution from B', its rows across n respond to a deviation at a right angle to the actual one.)
 //
-// a0 = W x and J = W J_l, where W selects the rows. In local axes the rows are those of A's axes. In world axes, W also
-// rotates them by oR_A. The rows of a 5D contact are in A's axes, the angular ones along two unit vectors across n.
-// Columns of joints above the common ancestor of A and B' are exactly zero and are left out.
+// a0 = W x and J = W J_l, where W selects the rows. In local axes the rows are in A's axes. In world axes, W also
+// rotates them by oR_A. Rows of a 5D contact are in A's axes, the angular ones along two unit vectors across n. Columns
+// of joints above the common ancestor of A and B' are exactly zero and are left out.
 
 #include <cmath>
 #include <optional>
@@ -26,10 +26,10 @@
 
 namespace manycontact {
 
-/// Two unit vectors across a unit axis, as rows. The three are right-handed; for the axis z they are x and y.
+/// Two unit vectors across a unit axis, as rows. With the axis they are a right-handed basis: x and y for the axis z.
 Eigen::Matrix<double, 2, 3> across(const Vec3<double>& axis);
 
-/// Whether the axes of a contact's rows rotate relative to A, because they are the world's.
+/// Whether the axes of a contact's rows are the world's, so that they rotate relative to A.
 inline bool rows_turn(const Contact& contact) {
   return contact.reference_frame != ReferenceFrame::kLocal && contact.type != ContactType::k5D;
 }
@@ -37,49 +37,48 @@ inline bool rows_turn(const Contact& contact) {
 /// The velocity coordinates that move a joint's body, ascending; empty for joint -1.
 std::vector<int> dof_chain(const Model& model, int joint);
 
-/// The velocity coordinates that a contact acts on, numbered within their robots, ascending. a: those above A only
-/// (sign +); b: those above B' only (sign -).
+/// The velocity coordinates that a contact acts on, numbered within their robots, ascending. a: coordinates that move A
+/// and not B' (sign +); b: coordinates that move B' and not A (sign -).
 struct ContactSupport {
   std::vector<int> a, b;
   int cols() const { return static_cast<int>(a.size() + b.size()); }  // columns of J
 };
-ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of one contact
+ContactSupport contact_support(const Scene& scene, const Contact& contact);  // the coordinates of `contact`
 
-/// The numbers of contacts between the same two bodies whose rows are reduced to independent ones by B = Q R. Here B
-/// are the rows of all these contacts on the relative motion of the bodies in the pair's frame A, and Q has orthonormal
-/// columns.
+/// A pair: all contacts between the same two bodies, with rows reduced to independent ones by B = Q R. B maps the
+/// bodies' relative motion, in the pair's frame A, to the rows of these contacts; Q has orthonormal columns.
 template <class S>
 struct PairNumbers {
-  // They are on the heap, since kernels with other alignment read them.
-  MatX<S> Q;              // rows of all contacts x rank
-  MatX<S> R;              // rank x 6
-  MatX<S> R_right;        // 6 x rank: R R_right = 1
-  MatX<S> terms;          // rank x 2: magnitudes of the terms of R, for displacements and for rotations
-  std::vector<SE3<S>> A;  // one entry per contact: its A in the pair's A
+  // On the heap, since kernels for other SIMD levels, with other alignment, read these matrices.
+  MatX<S> Q;              // (rows of all contacts) x rank, orthonormal columns
+  MatX<S> R;              // rank x 6: Q^T B
+  MatX<S> R_right;        // 6 x rank, right inverse: R R_right = 1
+  MatX<S> terms;          // rank x 2: magnitudes of the terms of R's rows, of displacements and of rotations
+  std::vector<SE3<S>> A;  // one entry per contact: placement of its A in the pair's A
 };
 
-/// The constraint rows of one contact and the quantities that they are computed from. Allocated once. Everything
-/// 6-dimensional is in A's frame.
+/// The constraint rows of one contact and the quantities that they are computed from. Allocated once. Six-dimensional
+/// members are in A's frame.
 template <class S>
 struct ContactData {
   ContactData(const Contact& contact, const ContactSupport& support);  // allocates the workspace
 
   // Computed by contact_rows.
-  SE3<S> aMA, bMA;  // A in the tree frame of its own body, and in that of B (B in the world: A's axes, relative to B')
-  SE3<S> G;         // B'MA
-  Vec3<S> on_A, on_B;      // origins of A and B on their bodies; zero for B in the world [m]
-  Vec6<S> vA, vB, aA, aB;  // velocities and accelerations (without qdd, minus gravity) of A and X B'
-  Vec6<S> nu, nudot, x;    // explained above; for points x's angular part is zero
+  SE3<S> aMA, bMA;  // A in the tree frame of A's body, and of B's (B in the world: relative to B', in A's axes)
+  SE3<S> G;         // B'MA, placement of A in B'
+  Vec3<S> on_A, on_B;      // origins of A and B in their bodies' frames [m]; zero for B in the world
+  Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (qdd = 0, minus gravity) of A, and of B' times X
+  Vec6<S> nu, nudot, x;    // motions of A relative to B' (file header); for points x's angular part is zero
   Mat6X<S> Jl;             // 6 x cols: J_l, first the columns of support.a, then of support.b
-  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6
-  MatX<S> J;                                        // rows x cols
-  Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows
+  Eigen::Matrix<S, Eigen::Dynamic, 6, 0, 6, 6> W;   // rows x 6: selects the constraint rows
+  MatX<S> J;                                        // rows x cols: Jacobian of the rows
+  Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> a0;  // rows: bias of the rows
   S joint_lever = S(0);  // largest distance of the joints that rotate the contact from the origin of their tree [m]
-  std::optional<PairNumbers<S>> pair;  // set by take_places; only for a contact that represents several contacts
-  std::vector<SE3<S>> pair_B;          // one entry per contact of the pair: its B' in the pair's B'
-  /// Pairs only: the part of each contact's own a0 that the reduced rows do not contain, one number per row, in order.
-  /// Then the largest terms that these are computed from. Then the deviations of the bodies from a common motion and
-  /// from their reference placement, relative to the velocities and lengths.
+  std::optional<PairNumbers<S>> pair;  // set by take_places, if it represents several contacts
+  std::vector<SE3<S>> pair_B;          // one entry per contact of the pair: placement of its B' in the pair's B'
+  /// Pairs only, in three parts. First the part of each contact's own a0 that the reduced rows do not contain, one
+  /// number per row, in order. Then the largest terms of each number. Then the bodies' deviations from a common motion,
+  /// and from their reference placement, relative to the velocities and lengths.
   VecX<S> left;
 };
 
@@ -96,8 +95,8 @@ void take_places(const Contact& contact, ContactData<S>& data) {
   if (contact.pair) take_pair<S>(contact, data);
 }
 
-/// The placement error of a contact, G = B'MA, in A's axes [m, rad], times a gain. For 6D it is log6(G). For points it
-/// is G_R^T G_p. For hinges the rotation between their axes, m = G_R^T n, is added as m x n. W selects its rows.
+/// The placement error of a contact, from G = B'MA, in A's axes [m, rad], times a gain: log6(G) for 6D, G_R^T G_p for
+/// points. For hinges m x n is added, the rotation between their axes n and m = G_R^T n. W selects its rows.
 template <class S>
 Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S(1));
 
@@ -105,7 +104,7 @@ Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
 
-/// Computes joint_lever for the joints above one end. support: ContactSupport::a or b.
+/// Computes joint_lever of the joints above A (support: ContactSupport::a) or above B' (ContactSupport::b).
 template <class S>
 S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<int>& support) {
   using std::abs;
@@ -118,31 +117,31 @@ S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<in
   return largest;
 }
 
-/// Computes `data`. kinA, kinB: kinematics of the robots of A and B after forward_accelerations; kinB is nullptr if B
-/// is in the world.
+/// Computes `data`, the rows of a contact. kinA, kinB: kinematics of the robots of A and B after forward_accelerations;
+/// kinB is nullptr if B is in the world.
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
 
-/// Computes `data` except joint_lever, from given placements: A and B in the tree frames of their bodies. from_b is the
-/// origin of A's tree frame relative to that of B. The contact's own placements are not read; the caller sets on_A and
-/// on_B.
+/// Computes `data` except joint_lever, from given placements aMA, bMB of A and B in the tree frames of their bodies.
+/// from_b: origin of A's tree frame relative to B's tree frame. The contact's own placements are not read, and the
+/// caller sets on_A and on_B.
 template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& contact, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& data);
 
-/// Reference magnitudes for a contact's rows: the largest entries of the relative motion J_l. `moved` is that of
-/// displacements, `turning` that of rotations, `of_point` that of a point's displacement.
+/// Reference magnitudes for a contact's rows, from the largest entries of the relative motion J_l. `moved` is for
+/// displacements, `turning` for rotations, `of_point` for a point's displacement.
 ///
-/// `of_point` includes the rotations times a hundredth of the moment arms they were computed with, because all joints
-/// may rotate about the point. Both bodies' motions are taken at A's frame, so the position of B's frame is no such
-/// arm.
+/// `of_point` includes a hundredth of the rotations times the moment arms they were computed with, because all joints
+/// may rotate about the point. Both bodies' motions are taken at A's frame, so that the arm of B's frame does not
+/// count.
 template <class S>
 struct MotionSizes {
   S moved, turning, of_point;
 };
-/// Computes the magnitudes. Call it after contact_rows.
+/// Computes MotionSizes of a contact, after contact_rows.
 template <class S>
 MotionSizes<S> motion_sizes(const Contact& contact, const ContactData<S>& data) {
   using std::abs;
@@ -157,8 +156,8 @@ MotionSizes<S> motion_sizes(const Contact& contact, const ContactData<S>& data) 
   return {moved, turning, larger(S(turning * lever / S(100)), moved)};
 }
 
-/// The reference magnitude of a contact's rows: the largest entry of the point's or the frame's motion. A row that is
-/// tiny relative to it may be pure rounding error. Call it after contact_rows.
+/// The reference magnitude of a contact's rows: the largest entry of J_l for the contact's point or frame. A row that
+/// is tiny relative to this may be pure rounding error. Call it after contact_rows.
 template <class S>
 S motion_scale(const Contact& contact, const ContactData<S>& data) {
   const MotionSizes<S> of = motion_sizes<S>(contact, data);

@@ -1,11 +1,11 @@
 #pragma once
-// Limited-memory BFGS for a given inverse Hessian H0. The product r = H g takes two loops over the last pairs of steps
-// s and changes y of the gradient (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
+// Limited-memory BFGS for a given inverse Hessian H0. The product r = H g of the gradient g takes two loops over the
+// last pairs of steps s_i and gradient changes y_i (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
 //
 //     q = g;     a_i = s_i^T q / s_i^T y_i,   q <- q - a_i y_i      newest pair first
 //     r = H0 q;  b_i = y_i^T r / s_i^T y_i,   r <- r + (a_i - b_i) s_i    oldest pair first
 //
-// H is positive definite if H0 is, since pairs without positive curvature are not added.
+// H is positive definite if H0 is, since only pairs with positive curvature s^T y are stored.
 
 #include <Eigen/Core>
 #include <vector>
@@ -14,18 +14,18 @@
 
 namespace manycontact {
 
-class LimitedBfgs {  // An inverse Hessian estimated from gradients.
+class LimitedBfgs {  // An inverse Hessian H estimated from gradients.
  public:
-  using Vectors = std::vector<Eigen::VectorXd>;  // a vector for each node
+  using Vectors = std::vector<Eigen::VectorXd>;  // one vector per node
 
   explicit LimitedBfgs(std::size_t most = 20) : most_(most) {}  // most: largest number of pairs, above 0
 
   void reserve(const Vectors& sizes);  // allocates the memory for vectors of these sizes
   void forget() { count_ = 0; }        // removes all pairs
-  /// Adds the pair s = step * direction, y = g_next - g. Without positive curvature nothing is added.
+  /// Adds the pair s = step * direction, y = g_next - g. Pairs without positive curvature s^T y are not added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
 
-  /// The first loop, from q = g. Afterwards the caller applies H0, and calls `finish` for the second loop on r.
+  /// begin: the first loop, from q = g. The caller then applies H0, and calls `finish` for the second loop on r.
   void begin(Vectors& q);
   void finish(Vectors& r) const;
 
@@ -42,7 +42,7 @@ class LimitedBfgs {  // An inverse Hessian estimated from gradients.
   std::vector<Pair> pairs_;
 };
 
-/// The sum of a_t^T b_t over the nodes.
+/// The sum of a_t^T b_t over the nodes t.
 double dot(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b);
 
 }  // namespace manycontact

@@ -1,41 +1,40 @@
 #pragma once
-// FDDP for a problem whose nodes are ActionModelParts. The value functions of decoupled robots are independent, so that
-// the direction and the feedback gains are block diagonal,
+// SolverSparse: FDDP for problems whose nodes are ActionModelParts. The value functions of decoupled robots are
+// independent, so that the Hessian Vxx, the step k and the feedback gain K are block diagonal, with subproblems i:
 //
 //     Vxx = diag(Vxx_1, Vxx_2, ...),    u_i = us_i - s k_i - K_i (x_i (-) xs_i).
 //
-// For N robots with n states the backward passes cost N T n^3, where SolverFDDP's costs T (N n)^3. Steps,
-// regularisation and stopping use the sums over the subproblems. Up to rounding errors, iterates are those of
-// SolverFDDP on the whole problem; for one subproblem they are bitwise equal. Subproblems are solved in parallel with
-// the problem's threads; results do not depend on their number. A subproblem with couplings uses another linear solver,
-// and its gains differ.
+// For N robots with n states and T nodes, backward passes cost N T n^3 operations; those of SolverFDDP cost T (N n)^3.
+// Steps, regularisation and stopping use sums over the subproblems. Iterates equal those of SolverFDDP on the whole
+// problem up to rounding errors; for one subproblem, bitwise. The problem's threads solve subproblems in parallel;
+// results do not depend on their number. A subproblem with couplings uses another linear solver, and its gains differ.
 //
-// With limits the iterates are those of SolverBoxFDDP: since Quu and the box are block diagonal, the box QP of a node
-// splits into those of the subproblems. (Each is solved to the same tolerance as the whole.)
+// With limits the iterates are those of SolverBoxFDDP. Quu and the box are block diagonal, so the box QP of a node
+// splits into one QP per subproblem. (Each of these is solved to the tolerance of the whole QP.)
 
 #include "manycontact/control/fddp.hpp"
 
 namespace manycontact {
 
-/// Results of the backward pass: get_Vx and get_k contain those of the whole problem; read the others from
-/// directions(), per subproblem. Without limits only the Hessians (Vxx, Qxx, Qxu, Quu) of the current node are stored,
-/// which halves the memory of a node.
+/// FDDP by subproblems. After the backward pass, get_Vx and get_k contain the whole problem's values; directions() has
+/// the other results, per subproblem. Without limits only the Hessians (Vxx, Qxx, Qxu, Quu) of the current node are
+/// stored, which halves the memory of a node.
 class SolverSparse : public SolverFDDP {
  public:
   /// limits: controls stay within the models' limits. Throws std::invalid_argument if nodes have different subproblems
   /// (see `separate`), and for limits of nodes with couplings without dense matrices. (With dense matrices, coupled
-  /// subproblems are one dense subproblem, whose steps are those of SolverBoxFDDP.) A problem without ActionModelParts
-  /// has one subproblem.
+  /// subproblems become one dense subproblem, whose steps are those of SolverBoxFDDP.) A problem without
+  /// ActionModelParts has one subproblem.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
-  /// Adapts the memory after nodes were replaced, as in a receding horizon. Subproblems with the same coordinates keep
-  /// their memory; those with couplings are set up again.
+  /// Adapts the memory after nodes were replaced, as in a receding horizon. Subproblems with unchanged coordinates keep
+  /// their memory; subproblems with couplings are set up again.
   void allocateData() override;
 
   /// Number of controls of each subproblem, or of each cluster of a subproblem with couplings: the sizes of the
   /// matrices Quu that are factorized at a node.
   std::vector<int> blocks() const;
-  /// The method of search directions: "Riccati", or for subproblems with couplings the name of lq::DirectionSolver.
+  /// The method of search directions: "Riccati"; with couplings, the name of the lq::DirectionSolver.
   std::string direction() const;
 
  private:

@@ -1,16 +1,16 @@
 #pragma once
-// States in a vector space: x (+) dx = x + dx, nx = ndx. Crocoddyl's StateVector.
+// StateVector: states in a vector space, x (+) dx = x + dx, nx = ndx; the name is Crocoddyl's.
 
 #include "manycontact/action/state.hpp"
 
 namespace manycontact {
 
-class StateVector : public StateAbstract {  // A vector space.
+class StateVector : public StateAbstract {  // States that form a vector space.
  public:
   explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}  // number of coordinates
 
   Eigen::VectorXd zero() const override { return Eigen::VectorXd::Zero(nx_); }
-  /// A random state within +-1.
+  /// A random state with entries between -1 and 1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

@@ -1,15 +1,15 @@
 #pragma once
-// A stopwatch that starts when it is constructed. Crocoddyl's Timer.
+// Timer: a stopwatch that starts when it is constructed; the name is Crocoddyl's.
 
 #include <chrono>
 
 namespace manycontact {
 
-class Timer {  // The time since its start or last reset.
+class Timer {  // Measures the time since its start or its last reset.
  public:
-  void reset() { start_ = Clock::now(); }                           // starts again from zero
-  double get_duration() const { return get_us_duration() / 1000; }  // ms
-  /// Microseconds.
+  void reset() { start_ = Clock::now(); }                           // restarts the time at zero
+  double get_duration() const { return get_us_duration() / 1000; }  // the time in ms
+  /// The time in microseconds.
   double get_us_duration() const { return std::chrono::duration<double, std::micro>(Clock::now() - start_).count(); }
 
  private:

@@ -7,8 +7,8 @@
 
 namespace manycontact {
 
-/// A row-major matrix of doubles, aligned to 64 bytes. If the number of columns is a multiple of eight, every row is
-/// aligned, whatever alignment Eigen is compiled for.
+/// A row-major matrix of doubles, aligned to 64 bytes for any alignment that Eigen is compiled with. If the number of
+/// columns is a multiple of eight, every row is aligned.
 class AlignedPanel : public Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> {
  public:
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -16,20 +16,20 @@ class AlignedPanel : public Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eig
 
   /// Constructs a panel without rows.
   AlignedPanel() : View(nullptr, 0, 0) {}
-  /// Copies the numbers into memory of its own.
+  /// Copies the numbers of the other panel into its own memory.
   AlignedPanel(const AlignedPanel& other) : AlignedPanel() {
     resize(other.rows(), other.cols());
     View::operator=(other);
   }
-  /// Takes the memory of the other panel, which is left without rows.
+  /// Takes the memory of the other panel, which then has no rows.
   AlignedPanel(AlignedPanel&& other) noexcept : AlignedPanel() { swap(other); }
   AlignedPanel& operator=(AlignedPanel other) noexcept {
     swap(other);
     return *this;
   }
 
-  /// Changes the size. If the size differs from the present one, the entries are uninitialised. Throws std::bad_alloc
-  /// if there is no memory; the panel is empty then.
+  /// Changes the size; new entries are uninitialised if the size differs. Throws std::bad_alloc if there is no memory;
+  /// the panel is then empty.
   void resize(Eigen::Index rows, Eigen::Index cols) {
     if (rows == this->rows() && cols == this->cols()) return;
     memory_.reset();

@@ -1,6 +1,6 @@
 #pragma once
-// The inputs of solve as a scene has them initially: torques of all coordinates, flags of contacts, external wrenches.
-// Two more functions move external wrenches and springs between scenes that are made of other scenes.
+// The inputs of solve as a scene has them initially: torques of all coordinates, flags of contacts, external wrenches;
+// and functions that move external wrenches and springs between scenes that are made of other scenes.
 
 #include "manycontact/model/scene.hpp"
 
@@ -30,8 +30,8 @@ inline std::vector<Vec6<double>> external_wrenches(const Scene& scene) {
 /// Removes external wrenches and springs: the scene then moves by gravity, motors and contacts alone.
 void drop_applied_forces(Scene& scene);
 
-/// Adds to `to` the external wrenches and springs of `from` whose robots are in `to`, even if names repeat. robot_at
-/// has the number in `to` of each robot of `from`, or -1.
+/// Adds to `to` the external wrenches and springs of `from` whose robots are in `to`, even if names repeat. robot_at:
+/// for each robot of `from` its number in `to`, or -1.
 void take_applied_forces(const Scene& from, const std::vector<int>& robot_at, Scene& to);
 
 }  // namespace manycontact

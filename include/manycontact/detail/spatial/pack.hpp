@@ -1,10 +1,10 @@
 #pragma once
-// A SIMD vector of W numbers, doubles or floats, one for each of W robots of a batch: a scalar for the templates of the
+// Pack: a SIMD vector of W numbers (double or float), one per robot of a batch. It is a scalar of the templates of the
 // forward path.
 // Operations are element by element, in the order in which they are written. The result of a robot is therefore bitwise
 // independent of W and of the other robots; a Pack of 1 is used for a single robot. Compile with -ffp-contract=off, so
-// that the compiler does not fuse products and sums; `multiply_add` is fused if the processor supports it. The types
-// are vector extensions of GCC and clang, of the size of the instruction set.
+// that the compiler does not fuse products and sums; `multiply_add` is fused if the processor can do so. The types are
+// vector extensions of GCC and clang, as wide as registers of the instruction set.
 
 #include <cmath>
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 #include <Eigen/Core>
 
-#ifndef MANYCONTACT_LANES  // whose memory stays its own
+#ifndef MANYCONTACT_LANES  // with MANYCONTACT_LANES, each level has its own memory
 #include "manycontact/abi.hpp"
 #endif
 
@@ -46,15 +46,15 @@ struct PackOf<1, E> {
 };
 }  // namespace detail
 
-/// E: double or float.
+/// A SIMD vector of W elements of type E, double or float.
 template <int W, class E = double>
 struct Pack {
   static constexpr int width = W;
   using Element = E;
-  using Bits = typename detail::BitsOf<E>::Int;  // the bits of one element
+  using Bits = typename detail::BitsOf<E>::Int;  // an integer with the bits of one element
   using Real = typename detail::PackOf<W, E>::Real;
   using Int = typename detail::PackOf<W, E>::Int;
-  /// The result of a comparison: all bits are set if it is true, otherwise 0.
+  /// The result of a comparison, one element per element of the packs: all bits set if true, 0 if false.
   struct Mask {
     Int bits;
     bool operator[](int lane) const { return reinterpret_cast<const Bits*>(&bits)[lane] != 0; }
@@ -74,14 +74,14 @@ struct Pack {
   Real v;
 
   Pack() = default;
-  // Explicit: compilers would copy packs bytewise, and a following load of the whole pack would stall.
+  // Explicit, as compilers would copy packs bytewise: a load of a whole pack stalls after bytewise stores.
   [[gnu::always_inline]] Pack(const Pack& b) : v(b.v) {}
   [[gnu::always_inline]] Pack& operator=(const Pack& b) {
     v = b.v;
     return *this;
   }
   Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit conversion is intended
-  /// Converts a pack of the other element type, rounding if that is wider.
+  /// Converts a pack of the other element type; rounds if the other type is double.
   template <class Other>
     requires(!std::is_same_v<Other, E>)
   explicit Pack(const Pack<W, Other>& b) {
@@ -127,7 +127,7 @@ struct Pack {
   }
   friend Pack absolute(Pack a) { return of(from_bits(to_bits(a.v) & (Int{} + std::numeric_limits<Bits>::max()))); }
   friend Pack abs(Pack a) { return absolute(a); }
-  /// Returns the larger of a and b; b if they do not compare (NaN).
+  /// Returns the larger of a and b; b if one of them is NaN.
   [[gnu::always_inline]] friend Pack larger(Pack a, Pack b) {
     if constexpr (W == 1) return of(a.v > b.v ? a.v : b.v);
 #ifdef __SSE2__
@@ -139,7 +139,7 @@ struct Pack {
     if constexpr (kBytes == 32 && !kDouble) return of((Real)_mm256_max_ps((__m256)a.v, (__m256)b.v));
 #endif
 #ifdef __AVX512F__
-    // compares all elements; _mm512_max_pd makes GCC 12 warn about a value that it leaves undefined on purpose
+    // The masked form compares all elements; _mm512_max_pd makes GCC 12 warn about an intentionally undefined value.
     if constexpr (kBytes == 64 && kDouble) return of((Real)_mm512_maskz_max_pd(0xff, (__m512d)a.v, (__m512d)b.v));
     if constexpr (kBytes == 64 && !kDouble) return of((Real)_mm512_maskz_max_ps(0xffff, (__m512)a.v, (__m512)b.v));
 #endif
@@ -162,7 +162,7 @@ struct Pack {
 #endif
     return of(a.v * b.v + c.v);
   }
-  /// Returns c - a b, rounded as multiply_add(-a, b, c).
+  /// Returns c - a b, rounded as multiply_add(-a, b, c) is.
   [[gnu::always_inline]] friend Pack subtract_product(Pack a, Pack b, Pack c) {
 #ifdef __FMA__
     if constexpr (W == 1 && kDouble) return of(__builtin_fma(-a.v, b.v, c.v));
@@ -191,7 +191,7 @@ struct Pack {
   }
 
  private:
-  static constexpr int kBytes = static_cast<int>(sizeof(E)) * W;  // 16, 32, 64: a register
+  static constexpr int kBytes = static_cast<int>(sizeof(E)) * W;  // bytes of a pack: 16, 32 or 64 fill a register
   static constexpr bool kDouble = sizeof(E) == sizeof(double);
   template <class Compared>
   static Mask mask(Compared holds) {
@@ -203,7 +203,7 @@ struct Pack {
 };
 
 namespace detail {
-/// Exchanges the off-diagonal H x H blocks of each 2H x 2H block: one step of a transposition.
+/// Exchanges the off-diagonal H x H blocks of each 2H x 2H block of x (W packs): one step of a transposition.
 template <int H, int W, class E>
 inline void exchange(Pack<W, E>* x) {
   typename Pack<W, E>::Int low, high;
@@ -228,17 +228,17 @@ inline void exchange(Pack<W, E>* x) {
 }
 }  // namespace detail
 
-/// Exchanges x[k] element l and x[l] element k, for W packs.
+/// Transposes W packs in place: exchanges element l of x[k] with element k of x[l].
 template <int W, class E>
 inline void transpose(Pack<W, E>* x) {
   if constexpr (W > 1) detail::exchange<W / 2>(x);
 }
 
-/// Largest angles for which sin_cos is accurate to one unit in the last place; larger ones give NaN.
+/// Largest angles [rad] for which sin_cos is accurate to one unit in the last place; it gives NaN for larger angles.
 inline constexpr double kLargestAngle = 1e6, kLargestFloatAngle = 1e3;
 
 namespace detail {
-/// Computes s and c of an angle from those of its remainder, and the remainder's quadrant; NaN where not `known`.
+/// Computes s and c of an angle from sine and cosine of its remainder in `quadrant`; NaN where `known` is false.
 template <int W, class E>
 [[gnu::always_inline]] inline void turn(typename Pack<W, E>::Int quadrant, typename Pack<W, E>::Mask known,
                                         Pack<W, E> sine, Pack<W, E> cosine, Pack<W, E>& s, Pack<W, E>& c) {
@@ -259,18 +259,18 @@ template <int W, class E>
 }
 }  // namespace detail
 
-/// Computes sine and cosine. Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c (Sun,
-/// 1993), without branches.
+/// Computes sine and cosine of doubles. Source: fdlibm's k_sin.c, k_cos.c and the three-step reduction of e_rem_pio2.c
+/// (Sun, 1993), here without branches.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
   using P = Pack<W>;
   using Int = typename P::Int;
-  // n = round(2 angle/pi), which is also in the low bits of `shifted`; angle - n pi/2 = y + tail
+  // n = round(2 angle / pi), also found in the low bits of `shifted`; angle - n pi/2 = y + tail
   const P shift = 6755399441055744.0;  // 1.5 * 2^52
   const P shifted = angle * P(6.36619772367581382433e-01) + shift;
   const P n = shifted - shift;
   const Int quadrant = P::to_bits(shifted.v);
-  const P t = angle - n * P(1.57079632673412561417e+00);  // 33 bits of pi/2: exact, as is the next
+  const P t = angle - n * P(1.57079632673412561417e+00);  // 33 bits of pi/2: this product and the next are exact
   P w = n * P(6.07710050630396597660e-11);
   const P r = t - w;
   w = n * P(2.02226624879595063154e-21) - ((t - r) - w);
@@ -290,8 +290,8 @@ template <int W>
   detail::turn(quadrant, absolute(angle) <= P(kLargestAngle), sine, cosine, s, c);
 }
 
-/// Does the same for floats, accurate to two units in the last place. Source: Cephes' sinf.c, cosf.c (Moshier), with
-/// three steps of reduction.
+/// Computes sine and cosine of floats, accurate to two units in the last place. Source: Cephes' sinf.c, cosf.c
+/// (Moshier), with three steps of reduction.
 template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W, float> angle, Pack<W, float>& s, Pack<W, float>& c) {
   using P = Pack<W, float>;
@@ -308,7 +308,7 @@ template <int W>
   detail::turn(quadrant, absolute(angle) <= P(kLargestFloatAngle), sine, cosine, s, c);
 }
 
-/// Computes sines and cosines of `count` angles of one robot, as many at a time as the SIMD level has elements.
+/// Computes sines and cosines of `count` angles of one robot, in groups of as many as a SIMD register has elements.
 template <int count, class E>
 inline void sin_cos(const Pack<1, E>* angle, Pack<1, E>* s, Pack<1, E>* c) {
 #if defined __AVX512F__

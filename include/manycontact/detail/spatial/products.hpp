@@ -1,12 +1,12 @@
 #pragma once
-// Small products, each a chain of multiply_add. Fusing is explicit, since the compiler would decide it per pack width.
-// The functions are always inlined, as calls would pass packs through memory.
+// Small products as chains of multiply_add. Sums are fused explicitly, since the compiler would fuse differently for
+// each pack width. The functions are always inlined, as calls would pass packs through memory.
 
 #include "manycontact/spatial/scalar.hpp"
 
 namespace manycontact {
 
-/// x^T y
+/// Returns x^T y.
 template <class X, class Y>
 [[gnu::always_inline]] inline typename X::Scalar dot(const Eigen::MatrixBase<X>& x, const Eigen::MatrixBase<Y>& y) {
   typename X::Scalar s = x[0] * y[0];
@@ -14,14 +14,14 @@ template <class X, class Y>
   return s;
 }
 
-/// c + x^T y
+/// Returns c + x^T y.
 template <class S, class X, class Y>
 [[gnu::always_inline]] inline S add_dot(S c, const Eigen::MatrixBase<X>& x, const Eigen::MatrixBase<Y>& y) {
   for (Eigen::Index i = 0; i < x.size(); ++i) c = multiply_add(x[i], y[i], c);
   return c;
 }
 
-/// x x y
+/// Returns the cross product x x y.
 template <class X, class Y>
 [[gnu::always_inline]] inline Vec3<typename X::Scalar> cross(const Eigen::MatrixBase<X>& x,
                                                              const Eigen::MatrixBase<Y>& y) {
@@ -31,7 +31,7 @@ template <class X, class Y>
           multiply_add(x0, y1, S(-(x1 * y0)))};
 }
 
-/// c + x x y
+/// Returns c + x x y.
 template <class C, class X, class Y>
 [[gnu::always_inline]] inline Vec3<typename C::Scalar> add_cross(const Eigen::MatrixBase<C>& c,
                                                                  const Eigen::MatrixBase<X>& x,
@@ -43,14 +43,14 @@ template <class C, class X, class Y>
           multiply_add(x0, y1, multiply_add(S(-x1), y0, S(c[2])))};
 }
 
-/// c + s x
+/// Returns c + s x.
 template <class C, class S, class X>
 [[gnu::always_inline]] inline Vec3<S> add_scaled(const Eigen::MatrixBase<C>& c, const S& s,
                                                  const Eigen::MatrixBase<X>& x) {
   return {multiply_add(s, S(x[0]), S(c[0])), multiply_add(s, S(x[1]), S(c[1])), multiply_add(s, S(x[2]), S(c[2]))};
 }
 
-/// A x
+/// Returns A x.
 template <class S, class X>
 [[gnu::always_inline]] inline Vec3<S> times(const Mat3<S>& A, const Eigen::MatrixBase<X>& x) {
   const S x0 = x[0], x1 = x[1], x2 = x[2];
@@ -59,7 +59,7 @@ template <class S, class X>
   return out;
 }
 
-/// c + A x
+/// Returns c + A x.
 template <class S, class X>
 [[gnu::always_inline]] inline Vec3<S> add_times(const Vec3<S>& c, const Mat3<S>& A, const Eigen::MatrixBase<X>& x) {
   const S x0 = x[0], x1 = x[1], x2 = x[2];
@@ -69,7 +69,7 @@ template <class S, class X>
   return out;
 }
 
-/// A^T x
+/// Returns A^T x.
 template <class S, class X>
 [[gnu::always_inline]] inline Vec3<S> transpose_times(const Mat3<S>& A, const Eigen::MatrixBase<X>& x) {
   const S x0 = x[0], x1 = x[1], x2 = x[2];
@@ -78,7 +78,7 @@ template <class S, class X>
   return out;
 }
 
-/// A B
+/// Returns A B.
 template <class S>
 [[gnu::always_inline]] inline Mat3<S> times(const Mat3<S>& A, const Mat3<S>& B) {
   Mat3<S> out;
@@ -86,7 +86,7 @@ template <class S>
   return out;
 }
 
-/// A^T B
+/// Returns A^T B.
 template <class S>
 [[gnu::always_inline]] inline Mat3<S> transpose_times(const Mat3<S>& A, const Mat3<S>& B) {
   Mat3<S> out;
@@ -94,7 +94,7 @@ template <class S>
   return out;
 }
 
-/// R I R^T of a symmetric I, exactly symmetric.
+/// Returns R I R^T for a symmetric I; the result is exactly symmetric.
 template <class S>
 [[gnu::always_inline]] inline Mat3<S> congruent(const Mat3<S>& R, const Mat3<S>& I) {
   const Mat3<S> RI = times<S>(R, I);

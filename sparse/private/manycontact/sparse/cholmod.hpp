@@ -2,8 +2,8 @@
 // CHOLMOD's simplicial LDL' in three calls: analyse a pattern once, factorize values often, solve. Source: Chen, Davis,
 // Hager, Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
-// The constructors allocate all memory, factorize and solve none. If memory runs out, std::bad_alloc is thrown and the
-// object remains usable; std::runtime_error if CHOLMOD fails otherwise (sizes beyond its integers).
+// Constructors allocate all memory; factorize and solve allocate none. If memory runs out, std::bad_alloc is thrown and
+// the object remains usable. If CHOLMOD fails otherwise (sizes beyond its integers), std::runtime_error is thrown.
 
 #include <memory>
 
@@ -11,7 +11,7 @@
 
 namespace manycontact::sparse {
 
-/// Symbolic analysis of a pattern in its given order. It is constant: Cholmod objects of any threads may share it.
+/// Symbolic analysis of a pattern in its given order. It is constant: several threads' Cholmod objects may share it.
 class CholmodSymbolic {
  public:
   explicit CholmodSymbolic(const UpperCsc& pattern);
@@ -20,7 +20,7 @@ class CholmodSymbolic {
   CholmodSymbolic& operator=(const CholmodSymbolic&) = delete;
 
   int size() const;
-  /// Non-zeros of the factor, diagonal included.
+  /// Number of nonzeros of the factor, diagonal included.
   int factor_nonzeros() const;
 
  private:
@@ -29,7 +29,7 @@ class CholmodSymbolic {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The factor of one symmetric matrix with non-zero leading minors (e.g. quasi-definite), with one thread's workspace.
+/// The factor of one symmetric matrix with nonzero leading minors (e.g. quasi-definite), and one thread's workspace.
 class Cholmod {
  public:
   explicit Cholmod(std::shared_ptr<const CholmodSymbolic> symbolic);
@@ -37,13 +37,13 @@ class Cholmod {
   Cholmod(Cholmod&&) noexcept;
   Cholmod& operator=(Cholmod&&) noexcept;
 
-  /// Computes the numeric factorization of the values Ax in the pattern's slots. Returns false if a pivot is zero.
+  /// Factorizes the matrix with the values Ax in the pattern's slots. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
   /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
   void solve(double* X, int cols);
   /// Copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// Computes the terms of the pivots (n), as pivot_terms in ldl.hpp.
+  /// Computes the terms of the pivots (n), defined as in pivot_terms of ldl.hpp.
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;
 

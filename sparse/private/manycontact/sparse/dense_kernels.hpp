@@ -1,6 +1,6 @@
 #pragma once
-// Products and factors of dense column-major blocks, compiled once per instruction level (blocks/level.cpp). Only raw
-// pointers are passed between levels, no Eigen types.
+// Products and factors of dense column-major blocks, compiled once per SIMD level (blocks/level.cpp). Only raw pointers
+// are passed to a level, no Eigen types, whose code differs between levels.
 
 #include <cstddef>
 
@@ -22,7 +22,7 @@ struct DenseKernels {
   void (*add_lower_AB)(Panel C, double a, ConstPanel A, ConstPanel B);
   void (*add_lower_AtB)(Panel C, double a, ConstPanel A, ConstPanel B);
   void (*add_lower_ABt)(Panel C, double a, ConstPanel A, ConstPanel B);
-  bool (*cholesky)(Panel A);  // whether all pivots are positive
+  bool (*cholesky)(Panel A);  // A <- its Cholesky factor L; false if a pivot is not positive
   void (*solve_L)(ConstPanel L, Panel X);
   void (*solve_Lt)(ConstPanel L, Panel X);
   void (*solve_Lt_right)(ConstPanel L, Panel X);
@@ -33,7 +33,7 @@ struct DenseKernels {
                      double* scale_t);
 };
 
-/// The kernels of the widest instruction level that this processor supports.
+/// The kernels of the widest SIMD level that this processor supports.
 const DenseKernels& dense_kernels();
 
 }  // namespace manycontact::sparse

@@ -1,11 +1,11 @@
 #pragma once
-// A = L D L^T by a compiled schedule, and solves with it, for a value type V: a double, or a pack of doubles, each of
-// which belongs to another matrix of the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a),
-// and, rounded as for doubles, multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b.
+// A = L D L^T by a compiled schedule, and solves. The value type V is a double, or a pack of doubles of several
+// matrices with the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a), and, rounded as for
+// doubles, multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b.
 //
-// Each matrix of a pack undergoes the same operations in the same order as a single matrix: the factors agree bit for
-// bit. For doubles, several rows of a column are computed at a time. This header is compiled for several instruction
-// levels: it has templates and plain memory only, no other library.
+// Each matrix of a pack undergoes the same operations in the same order as a single matrix: its factor agrees bit for
+// bit. For doubles, several rows of a column are computed at a time. This header is compiled for several SIMD levels,
+// so it has templates and plain memory only and includes no other library.
 
 #include <type_traits>
 
@@ -16,7 +16,7 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += sum over columns c of u[c stride] times the rows at x; rows of column c + 1 start `step - c` behind column c's.
+/// t += sum over columns c of u[c stride] times the rows at x; x moves by step - c from column c to column c + 1.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -25,7 +25,7 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// Returns the inverse 1 / d of the pivot d of a row. The row number and the size of its terms are not used.
+/// Returns the inverse 1 / d of a pivot d. The other arguments, row number and size of its terms, are not used.
 struct Inverse {
   template <class V>
   V operator()(int, const V& d, const V&) const {
@@ -33,15 +33,15 @@ struct Inverse {
   }
 };
 
-/// Eliminates the columns of a block, each after its updates by earlier ones. first: number of the first column.
+/// Eliminates the columns of a block one after the other. first: number of the first column.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
-  V u[LdlSchedule::kWidest];  // -L_ac D_c
+  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
   const int step = width + below - 2;
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a;  // one past L_ac, since L may be null if it has no entries
+    const V* l = L + a;  // one past L_ac: a null L needs no offset of its own
     for (int c = 0; c < a; ++c) {
       u[c] = -(l[-1] * D[c]);
       d = multiply_add(l[-1], u[c], d);
@@ -61,15 +61,15 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   }
 }
 
-/// Updates N columns of another block, which are the rows a ... a+N-1 below this block.
+/// Updates N columns of another block T, which are rows a ... a+N-1 below this block (LdlSchedule::Run).
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
-  V u[LdlSchedule::kWidest * N];  // -L_ac D_c
+  V u[LdlSchedule::kWidest * N];  // -L_ac D_c for rows a of this block, columns c
   const int step = width + below - 2;
   const int row = run.row + a - run.begin;
   auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);
-  const V* x = L + width - 1;  // first row below
+  const V* x = L + width - 1;  // first row below the block, in column 0
   for (int c = 0; c < width; ++c) {
     const V* l = x + a + c * step - c * (c - 1) / 2;
     const auto l_a = Tile<V, N>::load(l);
@@ -96,15 +96,15 @@ inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& 
   }
 }
 
-/// Forward sweep x <- L^-1 x of one block. own: the block's rows of x.
+/// Forward sweep x <- L^-1 x of one block. own: entries of x in the block's own rows.
 template <class V>
 inline void forward(int width, int below, const V* L, const LdlSchedule::Run* run, const LdlSchedule::Run* end, V* own,
                     V* x) {
-  V u[LdlSchedule::kWidest];  // -x_c
+  V u[LdlSchedule::kWidest];  // u[c] = -x_c for columns c of the block
   const int step = width + below - 2;
   for (int a = 0; a < width; ++a) {
     V x_a = own[a];
-    const V* l = L + a;  // one past L_ac
+    const V* l = L + a;  // one past L_ac of row a
     for (int c = 0; c < a; ++c) {
       x_a = multiply_add(l[-1], u[c], x_a);
       l += step - c;
@@ -121,14 +121,14 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
     });
 }
 
-/// Backward sweep x <- L^-T D^-1 x of one block. For each column the rows below the block are first, four at a time.
+/// Backward sweep x <- L^-T D^-1 x of one block. For each column, rows below the block come first, four at a time.
 template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
   const int step = width + below - 2;
   const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
   for (int c = width - 1; c >= 0; --c) {  // column: row c + 1 of column c
-    const V* l = column + width - 1 - c;  // first row below
+    const V* l = column + width - 1 - c;  // first row below the block
     const V zeros[4] = {};
     auto four = Tile<V, 4>::load(zeros);
     V rest{};
@@ -156,9 +156,9 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 }  // namespace kernel
 
 /// Computes A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx is ordered as in
-/// LdlSymbolic; D and scale have n entries. A is the type of A's entries, possibly of higher precision. After a zero
-/// pivot the elimination continues: L and D are then not finite, and the caller must check D and scale. inverse_of(k,
-/// D_k, scale[k]) returns the inverse pivot of row k. If it is zero, row k is not eliminated, and its column of L is
+/// LdlSymbolic; D and scale have n entries. A is the type of A's entries, possibly of higher precision. Elimination
+/// continues after a zero pivot, with L and D not finite; the caller must check D and scale. inverse_of(k, D_k,
+/// scale[k]) returns the inverse pivot of row k; if it returns zero, row k is not eliminated, and its column of L is
 /// zero. If inverse_of has stops(), the factorization ends after the first block for which stops() is true.
 template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
@@ -195,7 +195,7 @@ void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D,
   }
 }
 
-/// x <- L^-1 x. After partial elimination, the last entries of x become the Schur complement's right-hand side.
+/// x <- L^-1 x. After a partial elimination, the last entries of x become the Schur complement's right-hand side.
 template <class V>
 void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -206,7 +206,7 @@ void ldl_scheduled_forward(const LdlSchedule& schedule, const V* Lx, V* x) {
   }
 }
 
-/// x <- L^-T D^-1 x. After partial elimination, the last entries of x must be the Schur complement's solution.
+/// x <- L^-T D^-1 x. After a partial elimination, the last entries of x must be the Schur complement's solution.
 template <class V, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D, V* x, Prefetch prefetch = {}) {
   const int *Lp = schedule.Lp.data(), *block = schedule.block.data(), *run = schedule.run.data();
@@ -217,14 +217,14 @@ void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D
   }
 }
 
-/// x <- A^-1 x.
+/// x <- A^-1 x, by both sweeps.
 template <class V>
 void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
   ldl_scheduled_forward(schedule, Lx, x);
   ldl_scheduled_backward(schedule, Lx, D, x);
 }
 
-/// Sets the flags of all rows that the forward sweep reaches from rows whose flags are set.
+/// Sets the flags of all rows that the forward sweep reaches from flagged rows.
 inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   for (int k = 0; k < schedule.blocks(); ++k) {
     char any = 0;
@@ -236,7 +236,7 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-/// Computes r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j| unless it is NoSizes. All have length A.n.
+/// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j| unless Scale is NoSizes. All have length A.n.
 struct NoSizes {};
 template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},
@@ -248,7 +248,7 @@ void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V*
     if constexpr (kSizes) scale[k] = absolute(b[k]);
   }
   for (int j = 0; j < A.n; ++j) {
-    const int last = p[j + 1] - 1;  // the diagonal
+    const int last = p[j + 1] - 1;  // slot of the diagonal entry of column j
     const V x_j = x[j], size_j = absolute(x_j);
     V r_j = multiply_add(-Ax[last], x_j, r[j]), scale_j{};
     if constexpr (kSizes) scale_j = multiply_add(absolute(Ax[last]), size_j, scale[j]);

@@ -1,8 +1,8 @@
 #pragma once
-// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule, and the sums
-// that bound their errors. Four rows are computed at a time, so that a row read from the cache is used four times. The
-// value type V is as in ldl_kernels.hpp; with packs, several panels are solved at once. This header is compiled for
-// several instruction levels: it has templates and plain memory only, no other library.
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule; and row sums
+// that bound errors. Four rows are computed at a time, so that a row read from the cache is used four times. For the
+// value type V see ldl_kernels.hpp; a pack solves several panels at once. This header is compiled for several SIMD
+// levels, so it has templates and plain memory only and includes no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 
@@ -10,12 +10,12 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// Columns and rows computed at a time: as many as fit in the processor's registers, together with their operands.
+/// Columns and rows of a panel computed at a time: as many as fit in the processor's registers with their operands.
 inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
-/// Subtracts L x from R rows of a block, r ... r+R-1, where x are the block's own rows begin ... end-1. at: index in Lx
-/// of row r in column `begin`; the row's entry of column c + 1 is `step - c` behind that of column c. M of N adjacent
-/// columns of the panel are computed.
+/// Subtracts L x from R rows r ... r+R-1 of a block, x the block's own rows begin ... end-1. at: index in Lx of row r
+/// in column `begin`; from column c to c + 1, the index of a row moves by step - c. Computes M of the panel's N
+/// columns.
 template <int R, int N, int M, class V>
 [[gnu::always_inline]] inline void subtract_columns(Tile<V, M>* t, const V* Lx, int at, int step, int begin, int end,
                                                     const V* own) {
@@ -28,13 +28,13 @@ template <int R, int N, int M, class V>
   }
 }
 
-/// X = L \ X for a block. from: the block's first row that may be non-zero.
+/// X <- L^-1 X for a block. from: the first row of the block that may be nonzero.
 template <int N, int M, class V>
 inline void forward_panel(const LdlSchedule& schedule, int block, int from, const V* Lx, V* X) {
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
   const int* Lp = schedule.Lp.data() + first;
   const int step = width + (Lp[width] - Lp[width - 1]) - 2;
-  const int at = Lp[from] - from - 1;  // row r of column `from`: Lx[at + r]
+  const int at = Lp[from] - from - 1;  // row r of column `from` is Lx[at + r]
   V* all = X + static_cast<std::ptrdiff_t>(first) * N;
   in_chunks<kPanelRows>(from, width, [&](int r, auto size) {
     constexpr int R = size.value;
@@ -67,8 +67,8 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
     });
 }
 
-/// Computes the R rows of a group in X = L^T \ (D \ X), after all rows behind them. l: the group's packed entries.
-/// reached: whether the rows may be non-zero before the division by pivots. Calls store(row, its values).
+/// Computes the R rows of a group in X = L^T \ (D \ X), after all rows of larger index. l: the group's packed entries.
+/// reached: whether the rows may be nonzero before the division by D. Calls store(row, values of the row).
 template <int R, int N, int M, class V, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
                                                  const V* l, const V* inverse, bool reached, V* X, Store&& store) {
@@ -86,7 +86,7 @@ template <int R, int N, int M, class V, class Store>
       for (int i = 0; i < R; ++i) t[i].subtract(l[i], of_row);
     }
   }
-  // the group's entries of its own row j start at l + (j - 1) R
+  // entries of the group's own row j start at l + (j - 1) R
 #pragma GCC unroll 8
   for (int i = R - 1; i >= 0; --i) {
 #pragma GCC unroll 8
@@ -96,10 +96,10 @@ template <int R, int N, int M, class V, class Store>
   }
 }
 
-/// X = A \ X for an n x N panel X in A's order, M columns in registers at a time. packed: L's entries from ldl_pack.
-/// inverse: inverse pivots. Rows without a flag in `reached` (ldl_scheduled_reach) are zero before the division by
-/// pivots; rows of a block without any flag may have any value. Calls store(k, row k of the solution as a tile) with M
-/// columns, as soon as the row is known.
+/// X <- A^-1 X for an n x N panel X in A's order, M columns in registers at a time. packed: entries of L from ldl_pack;
+/// inverse: inverse pivots. Rows without a flag in `reached` (ldl_scheduled_reach) are zero before the division by D;
+/// rows of a block without any flag may have any value. Calls store(k, row k of the solution as a tile of M columns),
+/// as soon as row k is known.
 template <int N, int M = N, class V, class Store>
 inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* packed, const V* inverse,
                           const char* reached, V* X, Store&& store) {
@@ -128,7 +128,7 @@ inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* pac
 
 }  // namespace kernel
 
-/// Copies L's entries to `packed`, in the order of LdlSchedule::packed.
+/// Copies entries of L to `packed`, in the order of LdlSchedule::packed.
 template <class V>
 void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
   const int* slot = schedule.packed.data();
@@ -136,14 +136,14 @@ void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
   for (int k = 0; k < count; ++k) packed[k] = slot[k] < 0 ? V{} : Lx[slot[k]];
 }
 
-/// Computes the sums of the rows of |L||D||L^T| and of |A| (n each). The value type V is as in ldl_kernels.hpp.
+/// Computes the sums of the rows of |L||D||L^T| and of |A| (n each). For the value type V see ldl_kernels.hpp.
 template <class V>
 void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, const V* Lx, const V* D, V* of_factor,
                   V* of_A) {
   const int *p = A.p.data(), *row = A.i.data(), *Lp = symbolic.Lp.data(), *Li = symbolic.Li.data();
   for (int k = 0; k < A.n; ++k) of_factor[k] = of_A[k] = V{};
   for (int j = 0; j < A.n; ++j) {
-    V column(1.0);  // sum of |L| over column j
+    V column(1.0);  // sum of the magnitudes in column j of L
     for (int k = Lp[j]; k < Lp[j + 1]; ++k) column = column + absolute(Lx[k]);
     column = column * absolute(D[j]);
     of_factor[j] = of_factor[j] + column;

@@ -1,5 +1,5 @@
 #pragma once
-// Requests for more memory than the machine has are refused: the system would grant them and kill the process later.
+// Requests for more memory than the machine has are refused; the system would grant them and later kill the process.
 
 #include <cstddef>
 #include <memory>
@@ -15,10 +15,10 @@ struct TooLarge : std::bad_alloc {
   char text_[120];
 };
 
-/// Doubles aligned to a cache line, in large pages if the system has them. Growing does not keep their values.
+/// Doubles aligned to a cache line, in large pages if the system has them. Growing discards the stored values.
 class LargeMemory {
  public:
-  /// Ensures memory for `count` doubles; allocates only if there is less.
+  /// Ensures memory for `count` doubles; allocates only if there is memory for fewer.
   void reserve(std::size_t count);
   double* data() const { return data_.get(); }
 

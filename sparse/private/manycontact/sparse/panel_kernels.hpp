@@ -1,6 +1,6 @@
 #pragma once
-// Kernels on sparse factors and on row-major panels of doubles. They are compiled for several instruction sets, of
-// which one is chosen at run time. Results of different instruction sets agree up to rounding errors.
+// Kernels on sparse factors and on row-major panels of doubles. They are compiled for several SIMD levels, and one
+// level is chosen at run time. Results of different levels agree up to rounding errors.
 
 #include <cstddef>
 #include <span>
@@ -9,41 +9,41 @@
 
 namespace manycontact::sparse {
 
-/// Rounds n up to a multiple of eight, as for the rows of a panel.
+/// Rounds n up to a multiple of eight: the length of a panel's rows.
 constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 struct PanelKernels {
   const char* name;
-  int columns;  // columns of a panel computed at a time
-  /// ldl_scheduled_factor and ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual (upper_csc.hpp). A row
-  /// whose pivot is at most least[k] scale[k] is not eliminated, as in ldl_factor_by_rows (ldl.hpp). The factorization
-  /// ends soon after `most` such rows. `least` may be nullptr.
+  int columns;  // columns of a panel that are computed at a time
+  /// The functions ldl_scheduled_factor and ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual
+  /// (upper_csc.hpp). A row whose pivot is at most least[k] scale[k] is not eliminated, as in ldl_factor_by_rows
+  /// (ldl.hpp); least may be nullptr. The factorization ends soon after `most` such rows.
   void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
                  double* scale);
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
                           double* scale);
-  /// X <- A^-1 X, as ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
+  /// X <- A^-1 X, arguments as in ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
-  /// Computes X = A^-1 B and refines it once: X + A^-1 (B - A X).
+  /// Replaces B, given in X, by A^-1 B with one refinement, X + A^-1 (B - A X); other arguments as in `solve`.
   void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
                         const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
                         double* work);
-  /// B -= A X for panels with rows as in solve: columns 0 ... cols-1.
+  /// B -= A X in columns 0 ... cols-1 of panels; rows as in `solve`.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
-  /// Computes H = L^T R, but only its upper triangle, in blocks of eight rows from their diagonal on. L, R: depth x ld;
-  /// H: ld x ld. cols: used columns of all three, with ld >= cols a multiple of eight.
+  /// Computes the upper triangle of H = L^T R, in blocks of eight rows from the diagonal on. L, R: depth x ld; H: ld x
+  /// ld. cols: used columns of L, R and H, with ld >= cols a multiple of eight.
   void (*upper_product)(const double* L, const double* R, int depth, int cols, int ld, double* H);
-  /// H = L^T R. L: depth x ldl, of which the first `rows` columns; R: depth x ld, H: rows x ld, of which the first
-  /// `cols` columns, with ld >= cols a multiple of eight.
+  /// H = L^T R. L: depth x ldl, of which the first `rows` columns are used. R: depth x ld, H: rows x ld, of which the
+  /// first `cols` columns are used, with ld >= cols a multiple of eight.
   void (*product)(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H);
-  /// Computes `product` with row k of R at R + from[k] ld and row i of H at H + to[i] ld. non_temporal: H is larger
-  /// than the caches, and stores bypass them. H must then start at a cache line, and ld must be a multiple of eight.
+  /// Computes `product`, with row k of R at R + from[k] ld and row i of H at H + to[i] ld. non_temporal: stores bypass
+  /// the caches, as H is larger than these. H must then start at a cache line, and ld be a multiple of eight.
   void (*product_of_rows)(const double* L, int ldl, const double* R, const int* from, int depth, double* H,
                           const int* to, int rows, int cols, int ld, bool non_temporal);
-  /// X <- L^-1 X (L^-T X) for the n x n Cholesky factor L, which is column-major: column j starts at L + j ldl. X is n
-  /// x ld; its first `cols` columns are used, with ld >= cols a multiple of eight.
+  /// X <- L^-1 X (lower_solve) or L^-T X (upper_solve), for the n x n Cholesky factor L, whose column j starts at L + j
+  /// ldl. X is n x ld; its first `cols` columns are used, with ld >= cols a multiple of eight.
   void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 
@@ -53,9 +53,9 @@ struct PanelKernels {
   }
 };
 
-/// The kernels of the widest instruction level that this processor supports.
+/// The kernels of the widest SIMD level that this processor supports.
 const PanelKernels& panel_kernels();
-/// Returns all instruction levels of this build that the processor supports, the widest first.
+/// Returns the kernels of all SIMD levels of this build that the processor supports, the widest first.
 std::span<const PanelKernels* const> panel_levels();
 
 }  // namespace manycontact::sparse

@@ -1,23 +1,23 @@
 #pragma once
-// Iterative refinement for any scalar and right-hand side (vector, panel, dense matrix). The caller computes residuals
-// and corrections. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
+// Iterative refinement of A x = b for any scalar and right-hand side (vector, panel, dense matrix). The caller computes
+// residuals and corrections. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
 
 #include <span>
 
 namespace manycontact::sparse {
 
 struct Refinement {
-  int steps = 0;                         // corrections made
-  double backward_error = 0, first = 0;  // error after the last correction; before the first one
+  int steps = 0;                         // number of corrections made
+  double backward_error = 0, first = 0;  // error after the last correction; error before the first correction
 };
 
-/// Refines x until the error is at most `small`, after max_steps corrections, or after one that does not halve the
+/// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
 /// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
 ///
-/// residual(): r <- b - A x; returns its relative size as a double. NaN ends the refinement. Errors of wider scalars
-/// may be cast, since a double's relative sizes reach down to 1e-308.
+/// residual(): r <- b - A x; returns the relative size of r as a double. NaN ends the refinement. Sizes in wider
+/// scalars may be cast to double, which can represent 1e-308.
 /// correct():  x += A^-1 r.
-/// residual is called steps + 1 times, the last time after the last correction.
+/// The function residual is called steps + 1 times, the last time after the last correction.
 template <class Residual, class Correct>
 Refinement refine(int max_steps, double small, Residual&& residual, Correct&& correct) {
   Refinement out;
@@ -32,8 +32,8 @@ Refinement refine(int max_steps, double small, Residual&& residual, Correct&& co
   return out;
 }
 
-/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|, but at least eps times the
-/// largest scale. NaN if r or scale is not finite. largest: the largest scale of the system's other rows.
+/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|; scale_k counts at least as
+/// eps times the largest scale. NaN if r or scale is not finite. largest: the largest scale of the system's other rows.
 double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest = 0);
 
 }  // namespace manycontact::sparse

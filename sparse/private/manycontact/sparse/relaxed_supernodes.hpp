@@ -1,17 +1,17 @@
 #pragma once
-// Relaxed supernodes: neighbouring columns of L with nearly the same pattern form a block, at the price of some zeros.
+// Relaxed supernodes: neighbouring columns of L with nearly equal patterns form a block, in which L also stores zeros.
 // Source: Ashcraft, Grimes, The influence of relaxed supernode partitions on the multifrontal method (1989).
 
 #include "manycontact/sparse/ldl.hpp"
 
 namespace manycontact::sparse {
 
-/// Flags the columns that take the pattern of the next column, from the elimination tree and the columns' numbers of
-/// off-diagonal entries. Blocks are extended from the root on as long as they remain full enough.
+/// Flags the columns that take the pattern of the next column. parent: elimination tree; counts: numbers of
+/// off-diagonal entries of the columns. Blocks are extended from the root on as long as they have few zeros.
 std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts);
 
 void relax_supernodes(LdlSymbolic& L);
-/// Relaxes L such that its leading columns have the entries of `leading`, which is relaxed already and belongs to the
+/// Relaxes L such that its leading columns have the entries of `leading`. This is the analysis, already relaxed, of the
 /// leading rows and columns of the same matrix.
 void relax_supernodes(const LdlSymbolic& leading, LdlSymbolic& L);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Tiles: N doubles in SIMD registers, or N packs, with the operations that the kernels need. This header is compiled
-// for several instruction levels: it has templates and plain memory only, no other library.
+// Tiles: N doubles in SIMD registers, or N packs of robots, with the operations that the kernels need. This header is
+// compiled for several SIMD levels, so it has templates and plain memory only and includes no other library.
 
 #include <cstddef>
 #ifdef __SSE2__
@@ -9,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// a b + c, fused if the processor can.
+/// a b + c, fused if the processor supports it.
 inline double multiply_add(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -48,13 +48,13 @@ struct Tile {
   void store(V* x) const {
     for (int k = 0; k < N; ++k) x[k] = v[k];
   }
-  void add(const V& l, const V* x) {  // += l x
+  void add(const V& l, const V* x) {  // this tile += l x
     for (int k = 0; k < N; ++k) v[k] = multiply_add(l, x[k], v[k]);
   }
-  void add(const Tile& a, const Tile& b) {  // += a b
+  void add(const Tile& a, const Tile& b) {  // this tile += a b, element by element
     for (int k = 0; k < N; ++k) v[k] = multiply_add(a.v[k], b.v[k], v[k]);
   }
-  void subtract(const V& l, const Tile& x) {  // -= l x
+  void subtract(const V& l, const Tile& x) {  // this tile -= l x
     for (int k = 0; k < N; ++k) v[k] = subtract_product(l, x.v[k], v[k]);
   }
   Tile times(const V& s) const {
@@ -87,10 +87,10 @@ struct Register<8> {
   typedef double Vector __attribute__((vector_size(64), aligned(8), may_alias));
 };
 
-/// N doubles in SIMD registers.
+/// A tile of N doubles in SIMD registers.
 template <int N>
 requires(N > 1) struct Tile<double, N> {
-  // Short tiles are soon loaded again, shifted by a row: a load of eight doubles would wait for two stores.
+  // Tiles of at most 8 are soon loaded again, shifted by a row: an 8-wide load would wait for two stores.
   static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
   static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
   using Vector = typename Register<kWidth>::Vector;
@@ -106,7 +106,7 @@ requires(N > 1) struct Tile<double, N> {
 #endif
     return a * b + c;
   }
-  static Vector fused_away(Vector a, Vector b, Vector c) {  // c - a b
+  static Vector fused_away(Vector a, Vector b, Vector c) {  // c - a b, fused if the processor supports it
 #ifdef __FMA__
     if constexpr (kWidth == 2) return (Vector)_mm_fnmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
     if constexpr (kWidth == 4) return (Vector)_mm256_fnmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
@@ -136,7 +136,7 @@ requires(N > 1) struct Tile<double, N> {
   void store(double* x) const {
     for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
   }
-  /// Stores past the caches, to an address aligned to a register. Other threads see the values after finish_streams.
+  /// Stores the tile past the caches, at an address aligned to a register. Other threads see it after finish_streams.
   void stream(double* x) const {
 #ifdef __SSE2__
     for (int k = 0; k < kVectors; ++k) {
@@ -176,8 +176,8 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over one matrix, the same entries of the matrix that is used next, has the same pattern
-/// and is no longer in the nearest cache; bytes: its offset. By default nothing is prefetched.
+/// Prefetches, during a sweep over one matrix, the same entries of the next matrix: it has the same pattern, is `bytes`
+/// further in memory, and has left the nearest cache. NoPrefetch, the default, prefetches nothing.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>
@@ -196,13 +196,13 @@ struct NoPrefetch {
   void fetch_to_write(const V*) const {}
 };
 
-/// Rows computed at a time; a remainder is halved repeatedly.
+/// Number of rows computed at a time; the rows that remain are computed in chunks of half the size, and so on.
 template <class V>
 inline constexpr int kRows = 4;
 template <>
 inline constexpr int kRows<double> = 8;
 
-/// Calls f(first, Size<n>) for chunks of n = N, N/2, ..., 1 of begin ... end-1.
+/// Calls f(first, Size<n>) for chunks of rows begin ... end-1, with chunk sizes n = N, N/2, ..., 1.
 template <int N>
 struct Size {
   static constexpr int value = N;

@@ -12,23 +12,23 @@ struct UpperCsc {
   std::vector<int> i;
 
   int nonzeros() const { return static_cast<int>(i.size()); }
-  /// Position of entry (row, col) with row <= col, -1 if it is not in the pattern. Binary search, for set-up only.
+  /// Position in i of entry (row, col), row <= col; -1: not in the pattern. A binary search, for set-up only.
   int slot(int row, int col) const;
 };
 
-/// Builds the pattern from entries (row, col), in any order and triangle, with repetitions; the diagonal is added.
+/// Builds the pattern from entries (row, col) in any order and triangle, repetitions allowed; adds the diagonal.
 UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries);
 
 /// The pattern of P A P^T: entry (i, j) moves to (iperm[i], iperm[j]).
 UpperCsc permute(const UpperCsc& A, const std::vector<int>& iperm);
 
-/// r = b - A x, and scale[k] = |b_k| + sum |A_kj x_j|. All of length n.
+/// r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j|. x, b, r and scale have length n.
 void residual(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale);
 
 /// B <- B - A X for row-major panels of `cols` columns with row stride ld; row k of A is row row[k] of X and B.
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
 
-/// |A|_1, the largest column sum of the whole symmetric matrix. work: n.
+/// |A|_1, the largest column sum of magnitudes of the whole symmetric matrix. work: n numbers of scratch.
 double norm_1(const UpperCsc& A, const double* Ax, double* work);
 
 }  // namespace manycontact::sparse

@@ -22,7 +22,7 @@ void add(V6 S, Basis& basis) {
   if (basis.rank < 6 && S.norm() > tolerance::kRank * length) basis.Q.col(basis.rank++) = S.normalized();
 }
 
-// Computes orthonormal bases of the motions of each body by the joints above it, about the body's origin.
+// Computes, for each body, an orthonormal basis of its motions by the joints above it, about the body's origin.
 void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   const BodyPattern& p = *s.pattern;
   bases.resize(p.nodes);
@@ -35,19 +35,19 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// Part of a force on a body that drives any joint, relative to the force's size.
+// Returns the part of a force F on a body that drives joints (whose motions have the basis), relative to |F|.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
   for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
   return std::sqrt(sum) / F.norm();
 }
 
-// Calls use(row) for each row that moves no coordinate by more than rounding errors, until it returns false.
+// Calls use(row) for each row that moves no coordinate by more than rounding errors; ends if use returns false.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
-  bool known = false;  // bases
-  // Walks towards the base until an entry of J is certainly non-zero; after kManyJoints joints a basis decides.
+  bool known = false;  // whether `bases` are computed
+  // Goes from a body to the base until an entry of J is certainly nonzero. After kManyJoints joints a basis decides.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -71,12 +71,12 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
     if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
 }
 
-// Whether one end of a row is in the world or on a fixed base.
+// Whether one end of a row is immovable: in the world or on a fixed base.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
-// Rows whose forces, multiplied by the coefficients that `solve` finds, balance each other: they cause no torque at the
-// joints between their bodies, and no force beyond the last body. The rows are few, but the joints may be many: their
-// equations are reduced to triangular form whenever the memory is full.
+// Finds coefficients of rows whose forces balance each other: they cause no torque at the joints between their bodies,
+// and no force beyond the last body. Rows are few but joints may be many, so equations are reduced to triangular form
+// whenever the memory for them is full.
 class Balance {
  public:
   Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
@@ -84,14 +84,14 @@ class Balance {
   }
 
   int node() const { return node_; }
-  /// Adds a row that ends at the node; returns false if there are too many.
+  /// Adds a row with an end on the node; returns false if there are too many rows.
   bool add(int row) {
     if (count_ == kRows) return false;
     row_[count_] = row;
     F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
     return true;
   }
-  /// Adds the equations of the node's joint, and moves to the node's parent.
+  /// Adds the balance equations of the node's joint, and moves on to the node's parent.
   void pass() {
     const BodyPattern& p = *s_.pattern;
     for (int k = p.first_dof[node_]; k < p.first_dof[node_] + p.ndof[node_]; ++k)
@@ -99,7 +99,7 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Calls put(row, coefficient), 1 for the first row. Returns false if the rows do not balance up to rounding errors.
+  /// Solves the equations and calls put(row, coefficient), 1 for the first row. False: the rows do not balance.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -128,7 +128,7 @@ class Balance {
       A_.leftCols(count_) = qr.matrixQR().template triangularView<Eigen::Upper>();
       equations_ = count_;
     }
-    A_.row(equations_).setZero();  // rows added later have no part in it
+    A_.row(equations_).setZero();  // rows that are added later have no entry here
     for (int k = 0; k < count_; ++k) {
       A_(equations_, k) = of(F_[k]);
       largest_ = std::max(largest_, std::abs(A_(equations_, k)));
@@ -139,13 +139,13 @@ class Balance {
   const BodySystem& s_;
   int node_, count_ = 0, equations_ = 0;
   int row_[kRows];
-  V6 F_[kRows];  // wrenches of the rows on the node's body
+  V6 F_[kRows];  // wrenches of the rows on the body of node_
   Eigen::Matrix<double, kEquations, kRows> A_ = Eigen::Matrix<double, kEquations, kRows>::Zero();
   double largest_ = 0;
 };
 
-// Computes the null-space column of a dropped row from rows of the bodies between the row's own node and drop.node,
-// which were not dropped before. No coordinate between the two nodes moves.
+// Computes the null-space column of a dropped row from immovable rows on the bodies between the row's own node and
+// drop.node that were not dropped before. No coordinate between the two nodes moves.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -163,7 +163,8 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// Builds N backwards: a row used in one column may itself be dropped later; its own column then replaces it.
+// Computes N from the last dropped row to the first. A column may use a row that was dropped later; the column of that
+// row then replaces it.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
   rank::DependentRows& rows = work.rows;
@@ -189,13 +190,13 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
       if (row == drop.row || column[row] < 0) return add(row, value);
       for (int q = rows.Np[column[row]] + 1; q < rows.Np[column[row] + 1]; ++q) add(rows.Ni[q], -value * rows.Nx[q]);
     };
-    if (drop.node == p.nodes)  // the row moves nothing
+    if (drop.node == p.nodes)  // the row moves no coordinate
       put(drop.row, 1.0);
     else if (!null_column(s, drop, dropped_at, put))
       return false;
     column[drop.row] = static_cast<int>(rows.dropped.size());
     rows.dropped.push_back(drop.row);
-    for (int row : entries) {  // the column's own row comes first
+    for (int row : entries) {  // the dropped row's own entry comes first
       if (std::abs(x[row]) > tolerance::kNullEntry) rows.Ni.push_back(row), rows.Nx.push_back(x[row]);
       x[row] = 0;
     }
@@ -206,8 +207,8 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Subtracts from x.rows the motion that the bodies' accelerations b.motion cause while all joints are at rest.
-// x.motion: the bodies' accelerations.
+// Subtracts from x.rows the motion of the rows by the accelerations b.motion of bodies, all joints at rest. x.motion
+// receives the bodies' accelerations.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -218,7 +219,7 @@ void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   }
 }
 
-// Computes the bodies' forces x.force from x's accelerations and contact forces.
+// Computes x.force, the forces of joints on bodies, from the accelerations and contact forces in x.
 void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -230,7 +231,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Finds the redundant rows among those between node i and immovable bodies. The largest rows are kept first.
+// Finds the redundant rows among those between node i and immovable bodies, in `rows`. The largest rows are kept.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -284,7 +285,7 @@ Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence&
   if (const Reason reason = factorize_bodies(system, d, nullptr, true); reason != Reason::kNone) return reason;
   const int kept = system.pattern->nc - static_cast<int>(d.found.size());
   if (d.found.empty() || kept > system.pattern->nv || !find_null_space(system, d, work)) return Reason::kSmallPivot;
-  return factorize_bodies(system, d);  // fewer rows constrain bodies now
+  return factorize_bodies(system, d);  // fewer rows constrain bodies now, so their projections change
 }
 
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
@@ -297,7 +298,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The bodies' forces have changed, and with them their rounding errors.
+  // The bodies' forces have changed, and so have their rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },
@@ -312,7 +313,7 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
-  // |J| |a| by recursion: each body's |X| |parent's| + |S| |a|, which cancellation between joints does not reduce
+  // size = |J| |a| by recursion, |X| |parent's size| + |S| |a|: joints that cancel do not reduce it
   auto& size = v.dx.motion;
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();

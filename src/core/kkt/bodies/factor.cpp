@@ -27,14 +27,14 @@ sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolv
       [&] {
         backward_sweep(system, ldl, v.residual.r);
         error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
-        // the error may be that of equations whose terms are tiny relative to those of others
+        // the error may be of equations with tiny terms relative to those of others
         if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);
       });
 }
 
 namespace {
 
-// Returns a column's normwise error: componentwise, entries that are rounding errors relative to others would count.
+// Returns a column's normwise error. The componentwise error is too large if entries are rounding errors of others.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);
@@ -75,7 +75,7 @@ void BodyFactor::solve_panel(double* X, int cols) {
 }
 
 int nonzeros(const BodyPattern& p, const BodyLdl& ldl) {
-  double count = 0;  // P, U, D of each body; G, H, W of its rows, and L
+  double count = 0;  // numbers in P, U, D of each body; in G, H, W of its rows; in L
   for (int i = 0; i < p.nodes; ++i) {
     const double n = p.ndof[i], m = ldl.count[i];
     count += 21 + 6 * n + n * n + m * (12 + n) + m * (m + 1) / 2;

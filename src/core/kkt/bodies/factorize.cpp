@@ -42,12 +42,12 @@ namespace {
 using V6 = Vec6<double>;
 using M6 = Mat6<double>;
 
-// The rows at one node, in positions 0 ... m-1.
+// The rows open at one node, in positions 0 ... m-1 (BodyLdl).
 struct Rows {
   int m, ld;
   int* row;
   V6 *G, *H;
-  double *W, *E;  // m x ndof; m x ld, symmetric while rows are open
+  double *W, *E;  // W: m x ndof; E: m x ld, symmetric while rows are open
 
   double& e(int i, int j) { return E[static_cast<std::ptrdiff_t>(i) * ld + j]; }
 };
@@ -63,7 +63,7 @@ Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
           d.E.data() + d.square_first[i]};
 }
 
-// Q += X^T P X, with X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] symmetric:
+// Q += X^T P X, the inertia P shifted by r. X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] is symmetric, and X^T P X is
 //   [A, B'; B'^T, C - B^T [r]x + [r]x B'],   B' = B - A [r]x
 void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   const double x = r[0], y = r[1], z = r[2];
@@ -74,7 +74,7 @@ void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   add(5, P.col(5) + (x * P.col(1) - y * P.col(0)));
 }
 
-// Q = Y as a matrix.
+// Sets Q to the 6 x 6 matrix of the inertia Y.
 void set(const Inertia<double>& Y, M6& Q) {
   using pairs::Two;
   const double m = Y.m, x = Y.h[0], y = Y.h[1], z = Y.h[2];
@@ -87,7 +87,7 @@ void set(const Inertia<double>& Y, M6& Q) {
   column(5, Two{-y, x}, Two{0, Y.I(0, 2)}, Two{Y.I(1, 2), Y.I(2, 2)});
 }
 
-// Appends row k at a node, with zero entries.
+// Appends row k to the rows at a node, with zero entries; returns its position.
 int open_row(Rows& at, int k, std::vector<int>& place) {
   const int n = at.m++;
   at.row[n] = k;
@@ -96,7 +96,7 @@ int open_row(Rows& at, int k, std::vector<int>& place) {
   return place[k] = n;
 }
 
-// Collects the rows that end at node i, and those that its children did not eliminate.
+// Collects the rows at node i: rows that end there, and rows that its children did not eliminate.
 void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   const BodyPattern& s = *system.pattern;
   d.count[i] = 0;
@@ -129,7 +129,7 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   d.count[i] = at.m;
 }
 
-// U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T; false if D is not positive. size: P's terms.
+// Computes U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T. False: D is not positive. size: of P.
 template <int N>
 bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size, Rows& at, M6& P) {
   using Square = Eigen::Matrix<double, N, N>;
@@ -185,7 +185,7 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// The compliance of a free body along the row G, by the diagonal of P alone. inverse: reciprocals of that diagonal.
+// Returns the compliance of a free body along the row G, approximated by the diagonal of P. inverse: its reciprocals.
 double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
@@ -196,11 +196,11 @@ double compliance(const V6& G, const V6& inverse) {
   return sum[0] + sum[1];
 }
 
-// Least part of a row's pivot that must be left, relative to all that the joints contributed. Rows eliminated before
-// have stiffened the bodies by up to `growth`, and rounding errors grow with its square; errors of the joints'
-// contributions grow with the spread of their inertias. The error of a small pivot is larger by its inverse in later
-// rows (kkt/factor/pivots.hpp): `least` is the smallest part left of earlier pivots at this node, and below it if rows
-// were dropped there. Loops along a chain leave less and less, yet are accurate.
+// Returns the least sound part of a row's pivot, relative to all terms that joints contributed. Rows eliminated before
+// have stiffened bodies by up to `growth`, and rounding errors grow with its square. Errors of the joints' terms grow
+// with the spread of the joints' inertias. A small earlier pivot enlarges errors of later rows by its inverse
+// (kkt/factor/pivots.hpp). `least`: smallest part left of earlier pivots at this node, also below it if rows were
+// dropped there. Pivots of loops along a chain become ever smaller, yet are accurate.
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
@@ -210,7 +210,7 @@ double least_left(const BodyLdl& d, int row, double least) {
 
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
-// Eliminates the complete rows from position 0 on whose pivots are sufficient, the best first.
+// Eliminates those complete rows, from position 0 on, whose pivots are sufficient; the largest pivot first.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
@@ -227,7 +227,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints further up
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints up the chain
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
@@ -250,7 +250,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   return true;
 }
 
-// Eliminates the rows still open at the bases: E y = -g.
+// Factorizes the dense system E y = -g of the rows that are still open at the bases.
 bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
@@ -292,8 +292,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether a row from below depends on the rows that already constrain body i, whose span is Q: no joint below has moved
-// its body, and all of the row is in the span.
+// Whether row k from a child is a combination of the rows that constrain body i, whose span is Q: the row lies in the
+// span, and no joint below moved its body.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
@@ -303,7 +303,7 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
 
-// Replaces C and G_j by N C N and N G_j (BodyHold).
+// Projects C and G_j to N C N and N G_j at node i (BodyHold); drop: drops rows that depend on its own rows.
 void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;

@@ -63,11 +63,11 @@ void find_holds(BodyPattern& p) {
   }
 }
 
-// Numbers of rows by the nodes at which they end.
+// Numbers of rows, counted at the nodes where the rows end.
 struct Ends {
-  std::vector<int> arriving;  // ends at a node of rows that are not complete there
-  std::vector<int> alone;     // rows with one end, at that node
-  std::vector<int> meeting;   // rows with two ends that are complete at this node and at none below it
+  std::vector<int> arriving;  // a number per node: ends of rows that are not complete there
+  std::vector<int> alone;     // a number per node: rows with one end, at that node
+  std::vector<int> meeting;   // a number per node: rows with two ends, complete there and not below
 };
 Ends find_ends(const BodyPattern& p) {
   Ends ends{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nodes)};
@@ -82,11 +82,11 @@ Ends find_ends(const BodyPattern& p) {
   return ends;
 }
 
-// Estimates how many rows are open at each node.
+// Estimates how many rows are open at each node (open_squared, open_updates, open_at_base).
 void count_open(BodyPattern& p, Ends ends) {
-  std::vector<double> left(p.nodes, 0);  // complete rows that come from the children
+  std::vector<double> left(p.nodes, 0);  // a number per node: complete rows from its children
   for (int i = p.nodes - 1; i >= 0; --i) {
-    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once, since joints below move them
+    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once: joints below move them
     const double open = complete + ends.arriving[i] + ends.meeting[i];
     const double kept =
         std::clamp(complete - costs::kBodyEliminated * p.ndof[i], 0.0, static_cast<double>(tolerance::kMostOpen));
@@ -99,13 +99,13 @@ void count_open(BodyPattern& p, Ends ends) {
   }
 }
 
-// Computes the most rows that may be open at each node, and the memory for them.
+// Computes the largest number of rows that may be open at each node, and offsets of the memory for these rows.
 void make_room(BodyPattern& p, Ends ends) {
   std::vector<int>& waiting = ends.arriving;
   std::vector<int> complete(p.nodes);
   int at_base = 0;
   for (int i = 0; i < p.nodes; ++i) complete[i] = ends.alone[i] + ends.meeting[i];
-  // a row that is complete at a node is counted there by its ends as well, which only takes memory
+  // a row that is complete at a node is also counted by its ends; this only costs memory
   p.most.resize(p.nodes);
   for (int i = p.nodes - 1; i >= 0; --i) {
     int own = 0;

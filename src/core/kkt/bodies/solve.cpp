@@ -7,7 +7,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Computes p and g_j from the children for the acceleration that the constraint rows of node i prescribe (BodyHold).
+// Computes p and g_j of node i from its children, for the acceleration that its constraint rows prescribe (BodyHold).
 void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -36,7 +36,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// One step from the leaves to the root: the right-hand sides p and g for a node's parent.
+// One step from the leaves to the root: computes the right-hand sides p and g that a node passes to its parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -57,7 +57,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const Eigen::Map<const Eigen::Matrix<double, N, Eigen::Dynamic>> W(d.W.data() + d.joint_first[i], N, m);
   for (int k = 0; k < m; ++k) d.g[d.row[at + k]] -= d.G[at + k].dot(c) + W.col(k).dot(Du);
   for (int k = 0; k < d.eliminated[i]; ++k) {
-    const double* L = d.E.data() + d.square_first[i] + k;  // column k
+    const double* L = d.E.data() + d.square_first[i] + k;  // column k of L
     const double g = d.g[d.row[at + k]];
     p -= d.H[at + k] * (g * L[static_cast<std::ptrdiff_t>(k) * s.most[i]]);
     for (int j = k + 1; j < m; ++j) d.g[d.row[at + j]] -= L[static_cast<std::ptrdiff_t>(j) * s.most[i]] * g;
@@ -65,7 +65,7 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   return p;
 }
 
-// One step from root to leaves: y of rows eliminated at a node, qdd, a, f. a: the parent's, about the node's origin.
+// One step from root to leaves: y of rows eliminated at node i, its qdd, a, f. a: parent's, about node i's origin.
 template <int N>
 void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
@@ -91,7 +91,7 @@ void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < m; ++k) f += d.G[at + k] * x.rows[d.row[at + k]];
 }
 
-// Computes y of the rows that constrain node i from the node's own equation.
+// Computes y of the rows that constrain node i, from the equation of node i's forces.
 void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -109,7 +109,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
-// Computes y of the rows left at the bases.
+// Computes y of the rows that are open at the bases, by the dense factor.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());
@@ -123,8 +123,8 @@ void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   }
 }
 
-// Computes x from the right-hand side that the backward sweep has reduced. Calls dropped(i) once a, f, qdd of node i
-// are known, and closed(i) once the f of its children and y of its rows are known, too.
+// Computes x, after the backward sweep. Calls dropped(i) once a, f, qdd of node i are known, and closed(i) once f of
+// its children and y of its rows are known, too.
 template <class Dropped, class Closed>
 void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
                    Closed&& closed) {

@@ -11,7 +11,7 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Finds bodies constrained by six rows, unless a row couples the subtree below to another body.
+// Flags bodies that six rows constrain, unless another row couples the subtree below with a body outside.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
@@ -25,12 +25,12 @@ std::vector<char> find_cuts(const BodyPattern& p) {
   return cut;
 }
 
-// Numbers of an island's nodes and rows within their subtrees.
+// For each node and row of an island: its subtree, and its number within that subtree.
 struct NodeNumbers {
   std::vector<int> subtree, node, row;
 };
 
-// Numbers the nodes, and the cuts between subtrees.
+// Numbers the nodes within their subtrees, and lists the cuts between subtrees.
 NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, BodySubtrees& out) {
   NodeNumbers at{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nc)};
   std::vector<int> below(p.nodes);
@@ -58,7 +58,7 @@ NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, 
   return at;
 }
 
-// Calls use(row) for the rows of a contact of the island.
+// Calls use(row) for the rows of contact number `contact` of the island.
 template <class Use>
 void each_row(const Island& island, std::size_t contact, Use&& use) {
   const int end = contact + 1 < island.contacts.size() ? island.row_offset[contact + 1] : island.nc;
@@ -75,7 +75,7 @@ void number_contacts(const Island& island, const BodyPattern& p, NodeNumbers& at
   }
 }
 
-// Returns a subtree's pattern without its analysis.
+// Returns the pattern of a subtree, up to complete_analysis.
 BodyPattern pattern_of(const BodyPattern& p, const Island& island, const NodeNumbers& at, const BodySubtree& subtree) {
   BodyPattern out;
   const int own = subtree.node.empty() ? -1 : at.subtree[subtree.node[0]];
@@ -123,7 +123,7 @@ BodySubtrees split_bodies(const Island& island, const BodyPattern& whole) {
   std::vector<std::shared_ptr<const BodyPattern>> patterns;
   for (BodySubtree& subtree : out.subtrees) {
     BodyPattern p = pattern_of(whole, island, at, subtree);
-    std::vector<int> key{p.nodes};  // the number of nodes determines where each list ends
+    std::vector<int> key{p.nodes};  // the number of nodes determines the lengths of the lists in the key
     for (const std::vector<int>* list : {&p.parent, &p.ndof, &p.A, &p.B})
       key.insert(key.end(), list->begin(), list->end());
     const auto [found, is_new] = shapes.try_emplace(std::move(key), static_cast<int>(patterns.size()));

@@ -45,7 +45,7 @@ using pairs::Two, pairs::max, pairs::sizes;
 
 double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
-// Computes the terms and the residual of a body's motion equation.
+// Computes the terms and the residual of a body's motion equation, a_i = X a_p + S_i qdd_i + c_i.
 template <int N>
 [[gnu::always_inline]] inline void motion_equation(const BodySystem& s, const BodyVectors& b, const BodyVectors& x,
                                                    int i, V6& r, Two& scale) {
@@ -75,7 +75,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
            : motion_equation<6>(s, b, x, i, r, scale);
 }
 
-// Adds the forces of rows and of children on node i.
+// Adds the forces of rows and of children on node i to its residual r and its terms `scale`.
 [[gnu::always_inline]] inline void outer_forces(const BodySystem& s, const BodyVectors& x, int i, const double* more,
                                                 V6& r, Two& scale) {
   const BodyPattern& p = *s.pattern;
@@ -94,7 +94,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   }
 }
 
-// Ignores NaN, which `sum_` shows.
+// Ignores NaN; the sum of all residuals (sum_) becomes NaN instead.
 void take_largest(double& largest, double x) {
   if (x > largest) largest = x;
 }
@@ -154,7 +154,7 @@ void BodyJudge::node(int i, const double* more) {
 
 void BodyJudge::rows() {
   const BodyPattern& p = *s_.pattern;
-  int last[2] = {-1, -1};  // nodes whose terms are in `terms`
+  int last[2] = {-1, -1};  // nodes whose terms `terms` has, of A and B
   Two terms[2];
   for (int k = 0; k < p.nc; ++k) {
     const double y = x_.rows[k];

@@ -9,7 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// Calls copy(entry of the panel, entry of B) for all of B, which is column-major with rows in elimination order.
+// Calls copy(entry of X, entry of B) for columns of the panel X and of B; B is column-major in elimination order.
 template <class Copy>
 void each_entry(const KktPattern& p, double* X, int ld, int first, int cols, std::vector<double>& B, Copy&& copy) {
   const std::size_t n = p.size();

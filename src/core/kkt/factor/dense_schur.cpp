@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// The smallest Cholesky pivot relative to its diagonal entry; zero if a pivot is denormal and so has no digits.
+// Returns the smallest Cholesky pivot relative to its diagonal entry; zero if a pivot is denormal, so without digits.
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {
@@ -29,7 +29,7 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    // Constructed again: resizing in place is not safe, and without a matrix Eigen leaves info() undefined.
+    // Constructed again: Eigen's resize in place is not safe, and without a matrix Eigen leaves info() undefined.
     if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
@@ -47,7 +47,7 @@ class DenseSchurFactor final : public Factor {
     return smallest_pivot(llt_S_, S_.diagonal()) < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
   }
 
-  // [a; y] with w = L^-1 b1: S y = Z^T w - b2, a = L^-T (w - Z y).
+  // Computes [a; y] with w = L^-1 b1, L the factor of M: S y = Z^T w - b2, a = L^-T (w - Z y).
   void solve(double* x) override {
     a_.resize(pattern_->nv);
     y_.resize(pattern_->nc);
@@ -82,7 +82,7 @@ class DenseSchurFactor final : public Factor {
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  // Whether a pivot of S may consist of rounding errors of another pivot.
+  // Whether a pivot of S may consist of rounding errors that another small pivot of S enlarged.
   bool pivots_pass_on() const {
     rank::PassedOn<double> passed_on;
     for (int k = 0; k < S_.rows(); ++k) {
@@ -92,7 +92,7 @@ class DenseSchurFactor final : public Factor {
     return false;
   }
 
-  // K^-1 = [Mi - Y Si Y^T, Y Si; Si Y^T, -Si] with Mi = M^-1, Y = Mi J^T, Si = S^-1, written out in full.
+  // Computes K^-1 = [Mi - Y Si Y^T, Y Si; Si Y^T, -Si] with Mi = M^-1, Y = Mi J^T, Si = S^-1, as a full matrix.
   void invert() {
     if (inverted_) return;
     const Eigen::Index nv = M_.rows(), nc = J_.rows();
@@ -130,7 +130,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_dense_schur_factor();
     case Method::kSparseCholmod:
       return make_cholmod_factor(std::move(shape));
-    case Method::kSparseBodies:  // joint-space factor: the system of bodies is another class
+    case Method::kSparseBodies:  // joint-space factor of K; BodyFactor has the system of bodies
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

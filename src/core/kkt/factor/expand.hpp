@@ -1,5 +1,5 @@
 #pragma once
-// M and J of a sparse K as dense matrices.
+// Conversion of a sparse K to dense M and J.
 
 #include "manycontact/kkt/factor/factor.hpp"
 
@@ -20,7 +20,7 @@ inline void expand(const KktMatrix& K, Eigen::MatrixXd& M, Eigen::MatrixXd& J) {
     }
 }
 
-/// Copies a vector in K's order of elimination to its parts in the island's order; join does the reverse.
+/// Copies a vector x in K's elimination order to its parts a and y in the island's order; `join` does the reverse.
 template <class X, class A, class Y>
 void split(const KktPattern& p, const X& x, A&& a, Y&& y) {
   for (int k = 0; k < p.nv; ++k) a[k] = x[p.iperm[k]];

@@ -25,7 +25,7 @@ class LdlFactor final : public Factor {
     return waits_ ? factorize_waiting(K, scratch) : factorize_all(K, scratch);
   }
 
-  // (I - P) K_kept^-1 (I - P) x
+  // x <- (I - P) K_kept^-1 (I - P) x
   void solve(double* x) override {
     rank::project_out(dependence_, x);
     solve_kept(x);
@@ -79,7 +79,7 @@ class LdlFactor final : public Factor {
     for (int k : dependence_.Ni) rows[ldl_.pattern->perm[k] - ldl_.pattern->nv] = 1;
   }
 
-  // Coefficients z of the null space enter squared; sums have as many terms as the largest cluster has entries.
+  // The error grows with the squares of coefficients z, and with sums of as many terms as a cluster has entries.
   double projector_error() const override {
     const double z = dependence_.largest_projected, sums = dependence_.largest_cluster;
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);
@@ -97,12 +97,12 @@ class LdlFactor final : public Factor {
     if (!ldl_.factor(K.values.data(), nullptr, 0, scratch)) return Reason::kZeroPivot;
     growth_ = internal::growth_of(K, scratch.scale.data());
     const Reason reason = internal::judge_pivots(K, ldl_.L.data(), ldl_.D.data(), scratch);
-    // After infinite growth, the residual of one solve says nothing about other right-hand sides.
+    // If the growth is infinite, a small residual of one solve proves nothing for other right-hand sides.
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }
 
-  // A row of J without a sound pivot waits (tolerance::kWaits). It depends on the others if its remainder, computed
-  // from J's rows, is a rounding error. In cases between, the dense reference solver decides.
+  // A row of J without a sound pivot waits (tolerance::kWaits). It depends on other rows if J_k - sum z_j J_j, computed
+  // from J, is a rounding error. If that is uncertain, the dense reference solver decides.
   Reason factorize_waiting(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
@@ -128,7 +128,7 @@ class LdlFactor final : public Factor {
   bool waits_;
   internal::LdlNumbers ldl_;
   rank::SolvePanel solve_ = [this](double* X, int ld, int cols) { ldl_.solve_in_order(X, ld, cols); };
-  std::vector<double> row_size_;  // size of each row of J, in K's order; unused for M's rows
+  std::vector<double> row_size_;  // sizes of J's rows, in K's order; unused for M's rows
   rank::DependentRows dependence_;
   double growth_ = 1;
 };

@@ -10,14 +10,14 @@
 
 namespace manycontact::internal {
 
-/// L and D of a pattern, and solves with them, by the pattern's compiled schedule if requested and not too large.
+/// L and D of K, and solves with L and D, by the pattern's compiled schedule if requested and not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
-  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp is used
+  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp
   std::vector<double> L, D;
   std::vector<int> same;  // the identity permutation 0, 1, 2 ...
 
-  /// Prepares for a pattern. method: kSparseLdl uses the schedule, kSuiteSparseLdl does not.
+  /// Prepares for a pattern. method: kSparseLdl uses the schedule, kSuiteSparseLdl uses SuiteSparse's LDL.
   void take(const std::shared_ptr<const KktPattern>& p, Method method) {
     pattern = nullptr;  // remains nullptr if an allocation throws
     schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
@@ -28,8 +28,8 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// Computes L and D of A with values Ax, and the terms of the pivots in scratch.scale. Returns false if a pivot is
-  /// zero. least, most: which rows are not eliminated, as in PanelKernels::factor.
+  /// Computes L and D of the values Ax, and the pivots' terms in scratch.scale. Returns false if a pivot is zero.
+  /// least, most: see PanelKernels::factor; they decide which rows are not eliminated.
   bool factor(const double* Ax, const double* least, int most, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
@@ -71,7 +71,7 @@ struct LdlNumbers {
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
-  /// Memory for panels, shared by a thread's factors to remain in the cache; enough for refinement at a later state.
+  /// Memory for panels, also with refinement. A thread's factors share it, so that it stays in the cache.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

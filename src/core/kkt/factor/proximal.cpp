@@ -1,4 +1,4 @@
-// Random vectors show which rows depend, and how often E must be applied.
+// Tests random vectors to find which rows are dependent, and how often E must be applied.
 
 #include "proximal.hpp"
 
@@ -8,11 +8,11 @@ namespace manycontact {
 
 namespace internal {
 
-// Tests random vectors, the probes, instead of all columns of P. E^k of the probes equals P of them once J^T times it
-// is a rounding error. This never happens if a dropped row is only nearly dependent: then S has an eigenvector that E
-// neither removes nor keeps, and it shows in nearly all random vectors. A row dropped by its pivot alone may have an
-// eigenvalue of kPivotOfDependent delta, which each E reduces by that factor. Forces are smoother than the probes, with
-// larger components of the smallest eigenvalues, and take one more application.
+// Tests random vectors, the probes, instead of all columns of P. E^k and P agree on the probes once J^T E^k probes is a
+// rounding error. This never happens if a dropped row is only nearly dependent: S then has an eigenvector that E
+// neither removes nor keeps, with a component in nearly all probes. A row dropped by its pivot alone may have an
+// eigenvalue of kPivotOfDependent delta; each E reduces its component by kPivotOfDependent. Forces are smoother than
+// probes: their components of the smallest eigenvalues are larger, and need one more application.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
   applications_ = 1;
@@ -28,7 +28,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
     if (!vanishes && left_ < slowest * last) continue;
-    left_ = std::min(left_, last);  // if it stalls, rounding errors are left: an eigenvector leaves more
+    left_ = std::min(left_, last);  // if the decrease stops, these are rounding errors; an eigenvector would leave more
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
     take_null_space_rows();
@@ -47,8 +47,8 @@ void ProximalFactor::start_probes() {
     }
 }
 
-// Returns the largest entry of J^T times the probes, relative to the terms that its row adds up, or to the largest
-// terms of a row of J if those are larger. A hub's rows add up the terms of all its contacts.
+// Returns the largest entry of J^T probes, relative to the terms that the entry adds up, or to the largest terms of a
+// row of J if those are larger. (A body with many contacts adds up the terms of all of them.)
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;
@@ -70,7 +70,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   return left;
 }
 
-// Measures E's relative rounding error: the change of the probes by E once they are in the null space.
+// Measures E's relative rounding error, drift_: how E changes the probes once these are in the null space.
 void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)

@@ -1,21 +1,21 @@
 #pragma once
-// Let S = J M^-1 J^T. For a small delta, K_delta = [M J^T; J -delta I] has a factor in any sound order, whichever rows
-// of J depend on each other. The operator K_delta^-1 gives three things:
+// Let S = J M^-1 J^T. For a small delta > 0, K_delta = [M J^T; J -delta I] has a factor in any sound elimination order,
+// even if rows of J are dependent. The operator K_delta^-1 gives three things:
 //
-//   E y = delta (S + delta)^-1 y          from K_delta [.; x] = [0; y] with x = -E y / delta. On the null space of J^T
-//                                         it is the identity, on an eigenvector of S with eigenvalue s it is
-//                                         delta / (delta + s). Its powers converge to the projector P.
-//   x + K_delta^-1 (b - K x)              a proximal step: from x = 0 it converges to the solution of K x = b
-//                                         without P b, whose forces have no part in the null space: those of least
-//                                         norm.
-//   rank                                  a row that depends on the rows before it, with coefficients z, has the pivot
-//                                         delta (1 + |z|^2), which is proportional to delta. The pivot of any other row
+//   E y = delta (S + delta)^-1 y          K_delta [.; x] = [0; y] has x = -E y / delta. On the null space of J^T, E
+//                                         is the identity; on an eigenvector of S with eigenvalue s, E is
+//                                         delta / (delta + s). Powers of E converge to the projector P.
+//   x + K_delta^-1 (b - K x)              a proximal step. From x = 0, steps converge to the solution of K x = b with
+//                                         b reduced by P b; its forces have no part in the null space, so they are
+//                                         the least-norm forces.
+//   rank                                  If a row depends on the rows before it, with coefficients z, its pivot is
+//                                         delta (1 + |z|^2), proportional to delta. The pivot of any other row
 //                                         hardly depends on delta.
 //
 // Rounding errors of the residual, eps of b, become forces of size eps / delta in the null space (relative to S of 1),
 // which cause no acceleration: P f is removed at the end. E changes a vector of the null space by eps / delta of its
-// size ("drift"), so that P is applied several times. Source: Rockafellar, SIAM J. Control Optim. 14 (1976), sec. 4;
-// Gill, Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
+// size ("drift"), so E^k is only an approximate projector and is applied several times. Source: Rockafellar, SIAM J.
+// Control Optim. 14 (1976), sec. 4; Gill, Saunders, Shinnerl, SIAM J. Matrix Anal. Appl. 17 (1996).
 
 #include <algorithm>
 #include <array>
@@ -63,7 +63,7 @@ class ProximalFactor final : public Factor {
   sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps) override;
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) override;
 
-  int own_refinements() const override { return 2; }  // solve and solve_panel refine; solve_refined has proximal steps
+  int own_refinements() const override { return 2; }  // steps of solve and solve_panel; solve_refined makes none
   double growth() const override { return growth_; }
   int rank() const override { return ldl_.pattern->nc - static_cast<int>(dropped_.size()); }
   void dependent_rows(std::vector<int>& rows) const override { rows.assign(dropped_.begin(), dropped_.end()); }
@@ -83,8 +83,8 @@ class ProximalFactor final : public Factor {
 
  private:
   static constexpr double kEps = std::numeric_limits<double>::epsilon();
-  static constexpr int kProbes = 8;  // random vectors; eight take the time of a few
-  static constexpr int kChunk = 64;  // columns of a panel at a time
+  static constexpr int kProbes = 8;  // random vectors to which E is applied; eight take the time of a few
+  static constexpr int kChunk = 64;  // columns of a panel that are solved at a time
   void take(const std::shared_ptr<const KktPattern>& pattern) {
     const std::size_t n = pattern->size();
     damped_.resize(pattern->K.nonzeros());
@@ -100,7 +100,7 @@ class ProximalFactor final : public Factor {
     ldl_.take(pattern, method());
   }
 
-  // The largest diagonal entry of S, with M's diagonal in place of M.
+  // Returns the largest diagonal entry of S, approximated with M's diagonal in place of M.
   double largest_of_S() {
     const sparse::UpperCsc& A = ldl_.pattern->K;
     std::fill(r_.begin(), r_.end(), 0.0);
@@ -114,14 +114,14 @@ class ProximalFactor final : public Factor {
     return sparse::largest(r_);
   }
 
-  // Factorizes K_delta. A pivot that is zero or NaN remains in D.
+  // Factorizes K_delta. A pivot that is zero or NaN remains in D, for judge to reject.
   void factorize_damped(double delta, FactorScratch& scratch) {
     std::copy(K_->values.begin(), K_->values.end(), damped_.begin());
     for (int slot : ldl_.pattern->diagonal_slot) damped_[slot] = -delta;
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // Checks pivots of M as any factor does. Pivots of J's rows must only be negative.
+  // Checks the factor: pivots of M as any factor does, but pivots of J's rows need only be negative.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -135,14 +135,14 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Factorizes K with a larger delta and stores the pivots in stiffer_; overwrites the current factor.
+  // Factorizes K with kStiffer times delta and stores its pivots in stiffer_; overwrites the factor for delta.
   void find_stiffer_pivots(FactorScratch& scratch) {
     factorize_damped(tolerance::kStiffer * delta_, scratch);
     stiffer_ = ldl_.D;
   }
 
-  // Finds dependent rows by their pivots relative to delta or, if these are ambiguous, by how pivots change with delta.
-  // The result does not depend on in_doubt_, which saves a factorization. Returns false if the rank is in doubt.
+  // Finds dependent rows by their pivots relative to delta or, if a pivot is ambiguous, by how pivots change with
+  // delta. The last in_doubt_ may save a factorization, but does not change the result. False: the rank is in doubt.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -162,10 +162,10 @@ class ProximalFactor final : public Factor {
     return compare_pivots(scratch.scale.data());
   }
 
-  // The product of all pivots is det M det (S + delta), in which each zero eigenvalue of S is a factor delta. The
-  // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each is 1 or 0. If rows
-  // nearly depend on earlier rows, and later rows on all of them, their exponents are between 0 and 1, and only the sum
-  // is an integer. Exponents within rounding error of 1 or 0 count as 1 or 0, so that these errors do not add up.
+  // The product of all pivots is det M det (S + delta), with a factor delta for each zero eigenvalue of S. The
+  // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each exponent is 1 or 0.
+  // If some rows nearly depend on earlier rows, and later rows on all of them, their exponents are between 0 and 1, but
+  // the sum is an integer. Exponents within rounding error of 1 or 0 are rounded, so that their errors do not add up.
   bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;
@@ -187,8 +187,8 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // X <- E X for the first `cols` columns of a row-major panel with row stride ld, whose row k of K is row[k]; nullptr:
-  // row k. The rows of M are zero before and after.
+  // X <- E X for the first `cols` columns of a row-major panel with row stride ld. Row k of K is row row[k] of X, or
+  // row k if row is nullptr. The rows of M are zero before and after.
   void apply(double* X, int ld, int cols, const int* row) {
     std::fill(nonzero_.begin(), nonzero_.end(), 1);
     row ? ldl_.solve_panel(X, ld, 0, cols, nonzero_.data()) : ldl_.solve_in_order(X, ld, cols);
@@ -223,18 +223,18 @@ class ProximalFactor final : public Factor {
   LdlNumbers ldl_;
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
-  std::vector<char> in_null_space_;            // flags, in K's order
-  std::vector<int> dropped_;                   // rows of J
-  std::vector<double> damped_;                 // K_delta
-  std::vector<double> stiffer_;                // pivots with a larger delta, in K's order
-  std::vector<std::pair<double, int>> order_;  // rows of J that may depend, the most certain first
-  bool in_doubt_ = false;                      // whether stiffer_ and order_ were needed at the last state
+  std::vector<char> in_null_space_;            // flags of the rows in some null vector, in K's order
+  std::vector<int> dropped_;                   // dependent rows, numbered as rows of J
+  std::vector<double> damped_;                 // values of K_delta
+  std::vector<double> stiffer_;                // pivots with delta times kStiffer, in K's order
+  std::vector<std::pair<double, int>> order_;  // (-exponent, row of J), the most certainly dependent rows first
+  bool in_doubt_ = false;                      // whether find_dependent_rows compared pivots at the last state
   double growth_ = 1;
-  double drift_ = 0;                                         // relative rounding error of E y for y in the null space
-  int applications_ = 1;                                     // number of applications of E that give P
+  double drift_ = 0;                                         // relative rounding error of E y for y in J^T's null space
+  int applications_ = 1;                                     // number of applications of E that approximate P
   double left_ = 0;                                          // largest J^T n of null vectors n, relative to its terms
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
-  std::vector<double> sums_;                                 // J^T probes, and |J|^T |probes|: scratch, in rows of M
+  std::vector<double> sums_;                                 // scratch: J^T probes_, and |J|^T |probes_|, in rows of M
   std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows
   std::vector<char> nonzero_;
 };

@@ -1,4 +1,4 @@
-// Solves by proximal steps, of vectors and panels, and the projector on the null space.
+// Solves with vectors and panels by proximal steps, and the projector on the null space of J^T.
 
 #include <optional>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-// Repeats y -= E^k y until y stops changing.
+// Removes P y from y: repeats y -= E^k y until y stops changing.
 void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
 
 void ProximalFactor::project(double* y, double* null_component, double left) {
@@ -32,7 +32,7 @@ void ProximalFactor::project(double* y, double* null_component, double left) {
   }
 }
 
-// Copy the panel's columns first ... first+cols-1 from X to X_, and back.
+// Copy columns first ... first+cols-1 between the panel X and X_: take_columns to X_, give_columns back.
 void ProximalFactor::take_columns(const double* X, int ld, int first, int cols) {
   const std::size_t size = static_cast<std::size_t>(ldl_.pattern->size()) * kChunk;
   for (std::vector<double>* panel : {&X_, &B_, &W_})
@@ -43,21 +43,21 @@ void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const 
   for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
 }
 
-// W_ <- E^times of the contact rows of X_.
+// W_ <- E^times X_, in the contact rows.
 void ProximalFactor::apply_to_columns(int cols, int times) {
   const KktPattern& p = *ldl_.pattern;
   std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
   for (int k = 0; k < times; ++k) apply(W_.data(), kChunk, cols, p.perm.data());
 }
-// X_ -= W_ in the rows of the null space.
+// X_ -= W_, in the rows that null vectors contain.
 void ProximalFactor::take_out_of_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the null space component up to the part `left`. Each pass leaves the part `each` due to rounding errors.
+// Removes the null-space part of X_ but for `left` of it. Rounding errors of each pass leave `each` of this part.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -102,8 +102,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// The first attempt keeps P b. If P b is zero, residuals end as rounding errors. Otherwise they end as P b, and each
-// step adds P b / delta to the forces; the solve is then repeated without P b.
+// The first attempt keeps P b. If P b is zero, residuals decrease to rounding errors. Otherwise residuals end at P b,
+// and each step adds P b / delta to the forces; the solve is then repeated with b - P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -117,8 +117,8 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     project(v.x.data(), nullptr, tolerance::kProjected);
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
-      // J^T times the removed forces leaves rounding errors. One more step, without its component in the null space,
-      // corrects them; the rest of that component is small relative to all forces.
+      // J^T times the removed forces is a rounding error. One more step corrects it, without the step's null-space part
+      // down to a part that is small relative to all forces.
       ldl_.solve(v.r.data());
       const double f = largest_of_parts(v.x)[0], step = largest_of_parts(v.r)[0];
       project(v.r.data(), nullptr, tolerance::kProjected * std::max(1.0, f / step));
@@ -131,7 +131,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   return refinement;
 }
 
-// The rounding error of P b in J's range is amplified by S's least eigenvalue: P b -= (J^T)^+ J^T P b removes it.
+// Removes the rounding error of P b in J's range, which S's least eigenvalue would amplify: P b -= (J^T)^+ J^T P b.
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
@@ -153,8 +153,8 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
-// Refines while the largest residual of M's or J's rows, relative to the first step's terms, is at least halved. At
-// rest J's terms vanish with their residuals, and a componentwise error would show no progress.
+// Refines while the largest residual, of M's or J's rows relative to the first step's terms, is at least halved. A
+// componentwise error would show no progress at rest, where J's terms vanish with their residuals.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   std::optional<std::array<double, 2>> terms;
   double error = 0, first = 0;
@@ -177,7 +177,7 @@ sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   return out;
 }
 
-// Returns the largest residual of M's rows relative to its terms, or to kLeastLoad of the largest terms if larger.
+// Returns the largest residual of M's rows, relative to its row's terms or to kLeastLoad of the largest terms.
 double ProximalFactor::left_of_M(const KktVectors& v) const {
   const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
   double left = 0;
@@ -186,7 +186,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
   return left;
 }
 
-// Returns the largest magnitudes of x in J's rows and in M's.
+// Returns the largest magnitudes of x, in J's rows and in M's rows.
 std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
   std::array<double, 2> out{};
   for (std::size_t k = 0; k < x.size(); ++k) {

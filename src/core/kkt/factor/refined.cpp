@@ -11,9 +11,9 @@ namespace manycontact {
 namespace {
 
 // The inconsistency P b1 of the rows is orthogonal to J's range. In rows with large entries (rotations, with lengths in
-// micrometres) P b1 is small, and is hidden by rounding errors of b1's large entries: P b1 -= (J^T)^+ J^T P b1. If this
+// micrometres) P b1 is small and hidden by rounding errors of b1; P b1 -= (J^T)^+ J^T P b1 removes these. If the
 // correction exceeds rounding errors, the dropped rows are only nearly dependent, and P b1 is kept. v.x, v.r and
-// v.scale are workspace here, since the solution is computed afterwards.
+// v.scale are workspace here, as the solution is computed later.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
@@ -70,7 +70,7 @@ sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int 
 
 namespace {
 
-// Returns the largest |R| of a column relative to |K|_1 |X| + |B|. sums: memory for three rows.
+// Returns the largest |R| of a column relative to |K|_1 |X| + |B|, R = B - K X. sums: memory for three rows.
 double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
                     std::vector<double>& sums) {
   sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));
@@ -93,7 +93,7 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 }  // namespace
 
 void Factor::solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
-  constexpr int kChunk = 64;  // columns of X and B that fit into the caches together
+  constexpr int kChunk = 64;  // number of columns for which X and B fit into the caches together
   const KktPattern& p = *K.pattern;
   double* B = work.B.data();
   for (int c = first; c < first + cols; c += kChunk) {
@@ -101,7 +101,7 @@ void Factor::solve_panel_refined(const KktMatrix& K, double* X, int ld, int firs
     for (std::ptrdiff_t k = 0; k < K.size(); ++k) std::copy_n(X + k * ld + c, n, B + k * ld);
     solve_panel(X, ld, c, n, work.nonzero.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X + c, B, ld, n);
-    std::fill_n(work.nonzero.begin(), K.size(), 1);  // a residual has no zero rows
+    std::fill_n(work.nonzero.begin(), K.size(), 1);  // all rows of a residual may be nonzero
     solve_panel(B, ld, 0, n, work.nonzero.data());
     for (std::ptrdiff_t k = 0; k < K.size(); ++k)
       for (int i = 0; i < n; ++i) X[k * ld + c + i] += B[k * ld + i];
@@ -116,7 +116,7 @@ double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, Panel
   const auto residual = [&] {
     std::copy_n(B, size, work.R.data());
     sparse::residual_panel(p.K, K.values.data(), p.perm.data(), X, work.R.data(), ld, ld);
-    if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // the residual of least squares
+    if (factor.rank() < K.nc()) factor.project_out_panel(work.R.data(), ld, ld);  // the least-squares residual
     return column_error(K, ld, B, X, work.R.data(), work.sums);
   };
   const auto correct = [&] {

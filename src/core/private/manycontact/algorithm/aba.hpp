@@ -1,5 +1,5 @@
 #pragma once
-// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame (no transformations).
+// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame: no transformations.
 
 #include <span>
 
@@ -8,18 +8,18 @@
 namespace manycontact {
 
 template <class S>
-struct AbaData {  // Scratch of aba; allocate it once per robot.
+struct AbaData {  // Scratch memory of aba; allocate it once per robot.
   explicit AbaData(const Model& model);
   std::vector<Mat6<S>> IA;               // njoints: articulated inertia
   std::vector<Vec6<S>> pA;               // njoints: articulated bias force
   Mat6X<S> U;                            // 6 x nv: IA S
-  VecX<S> u;                             // nv: tau - S^T pA, then D^-1 u
-  std::vector<Mat6<S>> Dinv;             // njoints: (S^T IA S + armature)^-1 in the leading nv x nv block
-  std::vector<Vec6<S>> a;                // njoints: accelerations, a_base = -g
+  VecX<S> u;                             // nv: tau - S^T pA, later D^-1 u with D = S^T IA S + armature
+  std::vector<Mat6<S>> Dinv;             // njoints: D^-1, in the leading block of size nv of the joint
+  std::vector<Vec6<S>> a;                // njoints: accelerations of bodies, with -g at the base
 };
 
-/// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`. q: nq; v, tau, qdd: nv; fext: njoints forces in the child
-/// frames, or empty. Returns false if an articulated inertia D is not positive (singular M); qdd is then NaN.
+/// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`. Sizes: q nq; v, tau, qdd nv; fext njoints forces in child
+/// frames, or empty. Returns false if D of a joint is not positive (M is singular); qdd is then NaN.
 template <class S>
 [[nodiscard]] bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
                        const ConstVecRef<S>& tau, const Vec3<double>& gravity, std::span<const Vec6<S>> fext,

@@ -3,9 +3,10 @@
 //
 //     tau(q, v, w) = J_F(q)^T w + tau_s(q, v)
 //
-// on the velocity coordinates, and products with their derivatives without matrices. Each force on a body is a wrench F
-// in the tree frame (detail/algorithm/kinematics.hpp), f_i the sum over the subtree of body i, and tau_i = S_i^T f_i.
-// Along (dq, dv), body i moves by xi_i = sum of S_j dq_j on its path and its velocity changes by dv_i; then
+// on the velocity coordinates (w: external wrenches), and products with their derivatives, without matrices. Each force
+// on a body is a wrench F in the tree frame (detail/algorithm/kinematics.hpp), f_i is the sum over the subtree of body
+// i, and tau_i = S_i^T f_i. Along (dq, dv), body i moves by xi_i, the sum of S_j dq_j on its path, and its velocity
+// changes by dv_i; then
 //
 //     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
 
@@ -16,78 +17,78 @@
 
 namespace manycontact {
 
-/// The forces at one state; allocate once per scene.
+/// The external wrenches and springs of a scene at one state; allocate once per scene.
 template <class S>
 struct AppliedForces {
   explicit AppliedForces(const Scene& scene);
 
-  struct OfRobot {                                    // a robot with wrenches, springs or joint springs
+  struct OfRobot {                                    // a robot with any of these forces
     int robot = -1;                                   // number in the scene
-    std::vector<int> wrenches, springs, joint_springs;  // forces on it; springs: with end A on it
-    std::vector<int> joints;                            // ascending: bodies with forces, and their ancestors
-    Kinematics<S> kin;                                  // velocities too; unused for robots with only joint springs
-    std::vector<Vec6<S>> f;  // njoints, set for `joints`: force on the body; after add_applied_forces on its subtree
+    std::vector<int> wrenches, springs, joint_springs;  // numbers of its forces; springs: with end A on it
+    std::vector<int> joints;                            // ascending: joints with forces on their bodies, and ancestors
+    Kinematics<S> kin;                                  // velocities included; unused if there are only joint springs
+    std::vector<Vec6<S>> f;  // njoints, set for `joints`: force on the body; add_applied_forces sums it over subtrees
   };
   struct OfSpring {
-    Vec3<S> d, n;   // vector from B to A in the world, and its direction
+    Vec3<S> d, n;   // vector from B to A in the world, and its unit vector
     Vec3<S> rate;   // time derivative of d
-    S length, t;    // |d|; t = damping d|d|/dt - stiffness (rest length): the force on A is -stiffness d - t n
-    bool directed;  // false: n is needed but undefined, as the ends coincide
+    S length, t;    // |d|; t = damping d|d|/dt - stiffness (rest length): A's force is -stiffness d - t n
+    bool directed;  // false: n is needed but undefined, as A and B coincide
   };
 
   std::vector<OfRobot> robots;    // ascending by robot number
-  std::vector<int> number;        // one entry per robot of the scene: index in `robots`; -1: no force
-  std::vector<Vec6<S>> wrenches;  // one entry per external wrench: on its body, in the tree frame
+  std::vector<int> number;        // one entry per robot of the scene: index in `robots`, or -1 without forces
+  std::vector<Vec6<S>> wrenches;  // one entry per external wrench: F on its body
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes each robot's `f`, wrenches in the tree frame, at q (nq), v (nv). NaN on springs whose ends coincide.
+/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs whose ends coincide.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
 
-/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. NaN on robots with a spring whose ends coincide.
+/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. tau is NaN for robots with a spring whose ends coincide.
 template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
 
-/// Variations of bodies, for one thread; allocate once.
+/// Displacements, velocities and adjoints of bodies, as scratch of one thread; allocate once.
 struct AppliedScratch {
   explicit AppliedScratch(const AppliedForces<double>& forces);
-  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`: njoints
+  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
 
-// Call the functions below after add_applied_forces at q, v. They consider `robots` only, with vectors of the scene.
+// Call the functions below after add_applied_forces at q, v. They consider only `robots`; vectors are the scene's.
 
 /// Adds dtau/dq dq + dtau/dv dv + dtau/dw dw to dtau. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
                          AppliedScratch& scratch, double* dtau);
 
-/// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv; sets ww = (dtau/dw)^T l for these robots unless it is nullptr.
+/// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv; sets ww = (dtau/dw)^T l for these robots unless ww is nullptr.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
 
-/// Magnitudes that rounding errors of tau and its derivatives are relative to, per velocity coordinate of the scene.
+/// Magnitudes relative to which rounding errors of tau and its derivatives are judged, per velocity coordinate.
 struct AppliedSizes {
   std::vector<double> tau;      // sum of the magnitudes of tau's terms
-  std::vector<double> q, v, w;  // the same for the largest entry of each row of dtau/dq, dtau/dv, dtau/dw
+  std::vector<double> q, v, w;  // the same sum for the largest entry of each row of dtau/dq, dtau/dv, dtau/dw
 };
-/// Call it after add_applied_forces at q (nq), v (nv). Zero for robots not in `robots`.
+/// Computes the magnitudes, after add_applied_forces at q (nq), v (nv). They are zero for robots not in `robots`.
 AppliedSizes applied_sizes(const Scene& scene, const double* q, const double* v, const AppliedForces<double>& forces,
                            std::span<const int> robots);
 
-/// Power of external wrenches and of dampers (negative) at the state of the last add_applied_forces [W].
+/// Power of external wrenches, and of the springs' dampers (negative), at the last add_applied_forces [W].
 struct AppliedPower {
   double wrenches = 0, dampers = 0;
 };
 AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces);
 
-/// Returns the distance between the ends of `spring` at q (nq). Throws std::invalid_argument for a wrong size.
+/// Returns the distance between the ends of `spring` at q (nq) [m]. Throws std::invalid_argument for a wrong size.
 double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring);
 
-/// Returns the energy of the springs at q [J]. `kin`: placed kinematics of each robot of the scene.
+/// Returns the energy of all springs at q [J]. `kin`: kinematics of each robot of the scene, placed at q.
 double energy_of_springs(const Scene& scene, const ConstVectorRef& q, const std::vector<Kinematics<double>>& kin);
 
 }  // namespace manycontact

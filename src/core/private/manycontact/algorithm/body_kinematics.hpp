@@ -1,7 +1,7 @@
 #pragma once
-// Forward kinematics for deep trees, joint by joint, each body in its **body frame**: world axes, origin at the body's
-// child frame. Bodies far from the base lose no digits, unlike in the tree frame (detail/algorithm/kinematics.hpp),
-// where inertias grow with the squared distance. From a body to its child there is a translation r:
+// Forward kinematics for deep trees, joint by joint. Each body has its own **body frame**: world axes, origin at its
+// child frame. Bodies far from the base lose digits in the tree frame (detail/algorithm/kinematics.hpp), where inertias
+// grow with the squared distance, but not here. A translation r leads from a body to its child:
 //
 //   motions, to the child:  v_lin += w x r        forces, to the parent:  n += r x f
 
@@ -11,14 +11,14 @@
 
 namespace manycontact {
 
-/// Returns a motion at a point displaced by r.
+/// Returns the motion m of a body at a point displaced by r.
 template <class A, class S>
 Vec6<S> motion_at(const Eigen::MatrixBase<A>& m, const Vec3<S>& r) {
   Vec6<S> out = m;
   out.template head<3>() += cross(m.template tail<3>(), r);
   return out;
 }
-/// Returns a force that acts at r, at the origin.
+/// Returns a force f that acts at the point r, as a force at the origin.
 template <class A, class S>
 Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   Vec6<S> out = f;
@@ -40,29 +40,29 @@ struct BodyKinematics {
   // set by place_trees, from q
   std::vector<WorldPoint<S>> origins;  // one entry per tree: origin of its frame (detail/algorithm/kinematics.hpp)
 
-  // set by body_kinematics, from q, v
-  std::vector<Mat3<S>> R;  // njoints: the child frame's axes in the world
-  std::vector<Vec3<S>> p;  // njoints: its origin in the tree frame; set by place_trees between base and trees
-  std::vector<Vec6<S>> v;  // njoints: spatial velocity
+  // set by body_kinematics, from q and v
+  std::vector<Mat3<S>> R;  // njoints: rotation from the child frame to the world
+  std::vector<Vec3<S>> p;  // njoints: the child frame's origin in the tree frame; set by place_trees for paths
+  std::vector<Vec6<S>> v;  // njoints: spatial velocity in the body frame
 
   std::vector<int> tree_of;  // njoints: number of the body's tree
 };
 
-/// Pointers to the terms of one joint's equations of motion, in the caller's memory.
+/// Pointers to the caller's memory for the terms of one joint's equations of motion.
 template <class S>
 struct BodyTerms {
-  Vec3<S>* r;     // origin relative to the parent's, or the base's
-  S* S_i;         // 6 x nv of the joint, by columns: its motion subspace; zero before the first call
+  Vec3<S>* r;     // origin of the body frame relative to the parent's, or to the base
+  S* S_i;         // 6 x nv of the joint, by columns: motion subspace; zero before the first call
   Inertia<S>* Y;  // the body's inertia
-  Vec6<S>* c;     // bias acceleration of the joint, v x S v
-  Vec6<S>* h;     // bias force of the body, v x* Y v
+  Vec6<S>* c;     // bias acceleration v x S v of the joint
+  Vec6<S>* h;     // bias force v x* Y v of the body
 };
 
-/// Computes the placements of the trees at a configuration q (nq); `base` is that of forward_kinematics.
+/// Computes the placements of the trees at a configuration q (nq); `base` as in forward_kinematics.
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 
-/// Computes joint i's entries of `kin`, after its parent's, and `terms`. Call place_trees first. q: nq, v: nv.
+/// Computes joint i's entries of `kin` and `terms`, after those of its parent and place_trees. q: nq, v: nv.
 template <class S>
 void body_kinematics(const Model& model, const SE3<double>& base, int i, const ConstVecRef<S>& q,
                      const ConstVecRef<S>& v, BodyKinematics<S>& kin, BodyTerms<S> terms);

@@ -1,5 +1,5 @@
 #pragma once
-// Damping and friction of joints: tau_f = -d v - c tanh(v / v0).
+// Joint damping d and friction c as torques tau_f = -d v - c tanh(v / v0), with v0 = kFrictionVelocity.
 
 #include <cmath>
 
@@ -11,7 +11,7 @@ namespace manycontact {
 /// Whether any joint of the model has damping or friction.
 inline bool has_friction(const Model& model) { return model.damping.size() + model.friction.size() > 0; }
 
-/// Adds scale tau_f to tau, for a robot's nv coordinates.
+/// Adds scale times tau_f to tau, for a robot's nv coordinates.
 template <class S>
 void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {
   using std::tanh;
@@ -20,7 +20,7 @@ void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {
     if (model.friction[i] != 0) tau[i] -= S(scale * model.friction[i]) * tanh(v[i] / S(kFrictionVelocity));
 }
 
-/// Returns -d tau_f / dv of coordinate i.
+/// Returns -d tau_f / dv of coordinate i at velocity v.
 inline double friction_slope(const Model& model, int i, double v) {
   double slope = model.damping.size() > 0 ? model.damping[i] : 0;
   if (model.friction.size() == 0 || model.friction[i] == 0) return slope;
@@ -28,7 +28,7 @@ inline double friction_slope(const Model& model, int i, double v) {
   return slope + model.friction[i] / (kFrictionVelocity * c * c);
 }
 
-/// Adds the change of tau_f along dv to `out`, for a robot's nv coordinates at v.
+/// Adds the change of tau_f at v along dv to `out`, for a robot's nv coordinates.
 template <class V, class Dv, class Out>
 void add_friction_change(const Model& model, const V& v, const Dv& dv, Out&& out) {
   for (int i = 0; has_friction(model) && i < model.nv; ++i) out[i] -= friction_slope(model, i, v[i]) * dv[i];

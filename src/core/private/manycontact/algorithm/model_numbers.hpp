@@ -1,5 +1,5 @@
 #pragma once
-// Parameters of a robot's model that algorithms read: the model's or, in SIMD batches, each robot's own.
+// Parameters of a robot that algorithms read: those of the model or, in SIMD batches, one set per robot of the batch.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
@@ -10,16 +10,16 @@ struct ModelNumbers {
   explicit ModelNumbers(const Model& model)
       : placement(model.joints.size()), inertia(model.joints.size()), armature(model.nv) {}
 
-  std::vector<SE3<S>> placement;    // njoints: as Joint has them
-  std::vector<Inertia<S>> inertia;  // njoints
+  std::vector<SE3<S>> placement;    // njoints: Joint::placement
+  std::vector<Inertia<S>> inertia;  // njoints: Joint::inertia
   VecX<S> armature;                 // nv
 };
 
-/// Placement of joint i; each part is converted when it is requested.
+/// Placement of joint i. Its rotation and translation are converted to S only when requested.
 template <class S>
 struct PlacementOf {
   const SE3<double>& of_model;
-  const SE3<S>* own;  // nullptr: the model's
+  const SE3<S>* own;  // nullptr: of_model is used
 
   PlacementOf(const Model& model, const ModelNumbers<S>* numbers, int i)
       : of_model(model.joints[i].placement), own(numbers ? &numbers->placement[i] : nullptr) {}

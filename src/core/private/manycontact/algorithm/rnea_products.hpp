@@ -1,26 +1,26 @@
 #pragma once
-// Products with RNEA's derivatives without matrices, by one forward and one backward recursion, linear in the bodies.
-// Everything is in the tree frame. A displacement dq moves body i by xi_i = sum of S_j dq_j along its chain. Source:
-// forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
+// Products with the derivatives of RNEA, ID(q, v, qdd), without matrices: one forward and one backward recursion,
+// linear in the bodies. All motions are in the tree frame. A displacement dq moves body i by xi_i, the sum of S_j dq_j
+// along its chain. Source: forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
-/// One body's change of placement and motion along a direction, or gradients with respect to them (adjoint: forces).
+/// Changes of one body's placement and motion along a direction; as adjoint, gradients with respect to these (forces).
 template <class S>
 struct BodyVariationOf {
   Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
 };
 using BodyVariation = BodyVariationOf<double>;
 
-/// Forward pass of the tangent: xi, v, a of every body along (dq, dv) at constant qdd. `kin`: after
-/// forward_accelerations with qdd. Sizes: dq, dv, qdd nv, out njoints.
+/// Forward pass of the tangent: computes xi, v, a of every body along (dq, dv) at constant qdd. `kin`: after
+/// forward_accelerations with qdd. Sizes: dq, dv, qdd nv; out njoints.
 template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
 
-/// Backward pass of the tangent: dtau (nv) = d ID. njoints: fext, dfext external forces, changes; f, df scratch.
+/// Backward pass of the tangent: dtau (nv), the change of ID. fext, dfext: external forces, changes; f, df: scratch.
 template <class S>
 void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
                      const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,
@@ -30,13 +30,13 @@ void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::ve
 template <class S>
 void virtual_velocities(const Model& model, const Kinematics<S>& kin, const S* w, std::vector<Vec6<S>>& u);
 
-/// Adds the gradients of w^T ID(q, v, qdd), without external forces, with respect to each body's xi, u, v, a.
+/// Adds the gradients of w^T ID(q, v, qdd), without external forces, with respect to the xi, u, v, a of each body.
 template <class S>
 void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
                        std::vector<BodyVariationOf<S>>& adjoint);
 
 /// Converts gradients per body to gradients per coordinate, wq and wv (nv each), of a scalar that depends on q, v
-/// through xi, u, v, a of the bodies. qdd, and w inside u, are constant. Overwrites `adjoint` with sums over subtrees.
+/// through the bodies' xi, u, v, a. qdd, and w in u, are constant. Overwrites `adjoint` with sums over subtrees.
 template <class S>
 void pull_back(const Model& model, const Kinematics<S>& kin, const S* qdd, const std::vector<Vec6<S>>& u,
                std::vector<BodyVariationOf<S>>& adjoint, S* wq, S* wv);

@@ -1,11 +1,11 @@
 #pragma once
-// Computes a0 of a pair (contact/pair_rows.hpp) and its derivatives with respect to the bodies' relative motion.
+// Bias acceleration a0 of a pair (contact/pair_rows.hpp), and its derivatives by the bodies' relative motion.
 
 #include "manycontact/contact/pair_rows.hpp"
 
 namespace manycontact {
 
-/// Returns W_m x, a member's rows, in its axes, of a motion x of its frame.
+/// Returns W_m x: the rows of member m of a pair, in the member's axes, for a motion x of its frame A.
 template <class S>
 Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, const Vec6<S>& x) {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> out(m.rows());
@@ -27,8 +27,8 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
   return out;
 }
 
-/// Bias motion of one member, without nudot:
-///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: rotation, too.
+/// Bias motion of one member of a pair, without nudot (symbols: detail/contact/rows.hpp; e: position error):
+///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: as points, and rotation.
 template <class S>
 struct MemberMotion {
   const Contact& c;
@@ -46,7 +46,7 @@ struct MemberMotion {
     if (c.alpha != 0) x += contact_error<S>(c, G, S(c.alpha));
     return x;
   }
-  /// Returns the derivative of `drift` along dnu.
+  /// Returns the derivative of `drift` with respect to nu, along dnu.
   Vec6<S> by_motion(const Vec6<S>& dnu) const {
     Vec6<S> x = S(c.beta) * dnu;
     if (c.type != ContactType::k6D)
@@ -54,7 +54,7 @@ struct MemberMotion {
           dnu.template tail<3>().cross(nu.template head<3>()) + nu.template tail<3>().cross(dnu.template head<3>());
     return x;
   }
-  /// Returns the derivative of `drift` along a displacement s of A. log: log6_derivative(G), for 6D.
+  /// Returns the derivative of `drift` along a displacement s of A. log: log6_derivative(G), used for 6D only.
   Vec6<S> by_displacement(const Vec6<S>& s, const Mat6<S>& log) const {
     const S alpha(c.alpha);
     if (c.type == ContactType::k6D) return alpha * (log * s);
@@ -69,11 +69,11 @@ struct MemberMotion {
   }
 };
 
-/// Computes x, W, a0 and `left` of a pair from nu, nudot and G.
+/// Computes x, W, a0 and `left` of a pair's data from its nu, nudot and G.
 template <class S>
 void pair_motion(const Contact& pair, ContactData<S>& d);
 
-/// Derivatives of a pair's x with respect to nu and to a displacement of A, without those of nudot; 6 x 6 each.
+/// Derivatives of a pair's x by nu and by a displacement of A, except those by nudot; 6 x 6 each.
 template <class S>
 struct PairSlopes {
   Mat6<S> by_motion = Mat6<S>::Zero(), by_displacement = Mat6<S>::Zero();

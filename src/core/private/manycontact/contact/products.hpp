@@ -1,25 +1,25 @@
 #pragma once
-// Products with one contact's derivatives without matrices (forward and reverse mode of detail/contact/rows.hpp).
+// Products with one contact's derivatives, without matrices: forward and reverse mode of detail/contact/rows.hpp.
 
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Computes changes along variations a, b of A's and B's bodies (tree frames; b zero for the world): dr2 of x's rows
-/// with W rotating, dF of the force on A, in A's axes, with its rotation. rows: at the solution. f: the contact's
-/// force.
+/// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world): dr2, of
+/// x's rows, W's rotation included; dF, of the force on A in A's axes, its rotation included. rows: the contact's data
+/// at the solution. f: the contact's force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);
 
-/// Adds the gradients of -w^T J^T f + l^T r2 to the adjoints of A's and B's bodies, in tree frames. uA, uB: virtual
-/// velocities of the bodies under w. l: one entry per row of the contact.
+/// Adds the gradients of -w^T J^T f + l^T r2 to the adjoints a, b of the bodies of A and B, in tree frames. uA, uB:
+/// virtual velocities of the bodies by w. l: one entry per row of the contact.
 template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
-/// Calls add(attachment, force) for moving bodies with the force F on A (in A's axes) or -F on B', in tree frames.
+/// Calls add(attachment, force), in tree frames, for those bodies that move: F (in A's axes) on A, -F on B'.
 template <class S, class Add>
 void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
   if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));

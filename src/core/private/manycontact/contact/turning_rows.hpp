@@ -1,26 +1,26 @@
 #pragma once
 // Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, rows select components of A's acceleration relative to
-// B' (detail/contact/rows.hpp), i.e. the rate of velocity along axes fixed in B'. If the rows' axes rotate by w
-// relative to B' (nu_ang in A's axes; minus B''s velocity in the world's), the rate of J v is
+// B' (detail/contact/rows.hpp), that is the rate of velocity along axes fixed in B'. Let w be the rotation of the rows'
+// axes relative to B': nu_ang for A's axes, minus the angular velocity of B' for the world's. The rate of J v is
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
-// Rows of 3D and other contacts leave no component of nu_lin free, so both impose the same constraint. Here only the
-// component of nu_lin across the rows matters: along them it vanishes if the contact is satisfied.
+// Rows of other contacts leave no component of nu_lin free: both rates impose the same constraint. For 1D and 2D only
+// the component of nu_lin across the rows matters; components along them vanish if the contact is satisfied.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::internal {
 
-/// Velocities across the rows below this part of their terms are rounding errors.
+/// Velocities across the rows are rounding errors below this part of their terms.
 constexpr double kAcrossRows = 1e-12;
 
-/// Whether a contact leaves its point a direction of motion, so that its rows may rotate while A moves across them.
+/// Whether a contact leaves its point free in some direction, so that its rows may rotate while A moves across them.
 inline bool leaves_directions(const Contact& contact) {
   return contact.type == ContactType::k1D || contact.type == ContactType::k2D;
 }
 
-/// Returns W (w x nu_across), by which the rate of J v differs from contact_rows's acceleration; call it after that.
+/// Returns W (w x nu_across), the difference of the rate of J v from the acceleration of contact_rows, to call before.
 inline Eigen::Vector2d turning_of_rows(const Contact& contact, const ContactData<double>& d) {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!leaves_directions(contact)) return out;

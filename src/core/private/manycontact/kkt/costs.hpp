@@ -1,45 +1,45 @@
 #pragma once
-// Coefficients of predicted costs, for `auto` and threads. The unit, kPredictedSecond, is a multiply-add of CHOLMOD's
-// simplicial factor on a core of 2020. `./run bench --fit` measures, fits relative errors, and prints this file.
+// Coefficients of predicted costs, for `auto` and threads. The unit is kPredictedSecond, a multiply-add of CHOLMOD's
+// simplicial factor on a core of 2020. `./run bench --fit` measures and fits all costs, and prints this file.
 
 namespace manycontact::costs {
 
-inline constexpr double kPredictedSecond = 0.2e-9;  // s
+inline constexpr double kPredictedSecond = 0.2e-9;  // seconds
 
-// sparse-ldl: factor, solve and refinement, per row of K, entry of L, multiply-add, supernode, and index range that a
-// supernode updates (shorter if contacts are ordered among the joints).
+// sparse-ldl: costs of factor, solve and refinement, per row of K, entry of L, multiply-add, supernode, and index range
+// that a supernode updates (short ranges: contacts are ordered among the joints).
 inline constexpr double kLdlRow = 17, kLdlEntry = 20, kLdlFlop = 0.18;
 inline constexpr double kLdlBlock = 215, kLdlRange = 0.65, kLdlShortRange = 2.2;
 
-// Kinematics, M, J and K, per row of K and per contact; contacts of islands too large for SIMD batches cost more.
+// Kinematics, M, J and K: cost per row of K and per contact; kTermsContactAlone: per contact outside SIMD batches.
 inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone = 670;
 
-// sparse-cholmod, per call, row, entry, multiply-add.
+// sparse-cholmod: costs per call, row of K, entry of L, and multiply-add.
 inline constexpr double kCholmodCall = 8000, kCholmodRow = 50, kCholmodEntry = 26, kCholmodFlop = 1;
 
-// sparse-bodies: per body with its joint (more with several coordinates), contact row, open row squared, update of an
-// open row, multiply-add at the base. Subtrees of one shape share a SIMD batch.
+// sparse-bodies: costs per body (kBodyJoint: joint with several coordinates), contact row, squared number of open rows,
+// update of an open row, and multiply-add at the base. kBodyAlike: factor for subtrees of one shape in a SIMD batch.
 inline constexpr double kBody = 1180, kBodyJoint = 3900, kBodyRow = 1100, kBodyOpen = 10, kBodyUpdate = 0.5,
                         kBodyBase = 1.0 / 12, kBodyAlike = 0.5;
-inline constexpr double kBodyEliminated = 0.5;  // complete rows to which a coordinate is likely to give pivots
+inline constexpr double kBodyEliminated = 0.5;  // rows that one coordinate is likely to eliminate
 
-// dense: per call, multiply-add.
+// dense: costs per call and per multiply-add.
 inline constexpr double kDenseCall = 8000, kDenseFlop = 0.22;
 
-// Derivatives, products, and one iteration over an island's robots, in units of a solve.
+// Costs of derivatives, of products, and of one iteration over an island's robots, as multiples of a solve.
 inline constexpr double kDerivatives = 6, kProducts = 1, kWalk = 0.25;
 
-// Derivatives robot by robot, in multiply-adds of a panel: products run faster than sparse solves, and panels are
-// filled and read once more. A panel of dependent rows is always refined, and projected five times.
+// Costs of derivatives robot by robot, per multiply-add of a panel: dense products are faster than sparse solves, and
+// panels are filled and read once more. A panel with dependent rows is always refined, and projected five times.
 inline constexpr double kPanelProduct = 0.4, kPanelsOnceMore = 1.3, kPanelDropping = 2.5;
 
-// A SIMD batch of n robots costs 1 + kTogether n times one robot (measured with 8 and with 2 robots).
+// A SIMD batch of n robots costs 1 + kTogether n times as much as one robot (measured for 8 and 2 robots).
 inline constexpr double kTogether = 0.15;
 
-// Work [s] for which waking a thread pays off; that takes microseconds.
+// Least work [s] for which another thread is used; waking a thread takes microseconds.
 inline constexpr double kWorthAThread = 3e-5;
 
-// Bytes of an island's shape, kernels and factors, per entry of K and L and per row.
+// Memory of an island's shape, kernels and factors in bytes, per entry of K and L, and per row of K.
 inline constexpr int kBytesOfEntry = 64, kBytesOfRow = 2000;
 
 }  // namespace manycontact::costs

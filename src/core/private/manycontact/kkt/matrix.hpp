@@ -1,5 +1,5 @@
 #pragma once
-// Values of one island's KKT system K x = b, x = [a; -f], b = [tau_b; -a0], in a pattern's elimination order.
+// Values of one island's KKT system K x = b, x = [a; -f], b = [tau_b; -a0], in the elimination order of a pattern.
 
 #include <memory>
 #include <span>
@@ -10,10 +10,10 @@ namespace manycontact {
 
 struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
-  std::vector<double> values;  // entries in the pattern's slots
-  double damping = 0;          // delta
-  /// Reference for the sizes of J's rows: the largest motion from which they are selected (motion_scale in
-  /// detail/contact/rows.hpp). J itself may contain only rounding errors.
+  std::vector<double> values;  // values of K's entries in the pattern's slots
+  double damping = 0;          // delta of K
+  /// Reference for the sizes of J's rows: the largest motion from which rows are selected (motion_scale in
+  /// detail/contact/rows.hpp). It is needed because entries of J may all be rounding errors.
   double row_scale = 0;
 
   /// Sets the pattern and allocates the values.
@@ -23,15 +23,15 @@ struct KktMatrix {
   int size() const { return pattern->size(); }
 };
 
-/// Writes K's values into their slots. M: packed inertia per robot; J: by columns, per contact; in the island's order.
+/// Writes values into K's slots, all in the island's order. M: packed inertia, per robot; J: by columns, per contact.
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
               KktMatrix& K);
 
-/// Vectors of a system in K's elimination order.
+/// Vectors of the system K x = b, in K's elimination order.
 struct KktVectors {
   std::vector<double> b, x;
-  std::vector<double> r, scale;        // residual b - K x, and |b| + |K| |x|
-  std::vector<double> null_component;  // null-space part of b: the inconsistency of dependent rows
+  std::vector<double> r, scale;        // residual b - K x; scale = |b| + |K| |x|
+  std::vector<double> null_component;  // part of b in the null space of J^T: inconsistency of rows
 
   void resize(int n);
 };

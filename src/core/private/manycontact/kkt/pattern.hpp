@@ -12,70 +12,70 @@
 
 namespace manycontact {
 
-/// Columns of the active contact rows, on which K's pattern depends in addition to the trees.
+/// Columns of the active contact rows J. K's pattern depends on these and on the trees.
 struct IslandSupport {
-  std::vector<ContactSupport> contacts;   // one entry per contact of the island, numbered within the robots
-  std::vector<std::vector<int>> columns;  // one entry per contact: the island's columns, a's first, then b's
+  std::vector<ContactSupport> contacts;   // one entry per contact of the island; coordinates numbered within the robots
+  std::vector<std::vector<int>> columns;  // one entry per contact: columns in the island, first those above A, then B'
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
-/// A schedule compiled when first needed, by any thread.
+/// A schedule that the first thread which needs it compiles.
 struct LazySchedule {
   std::mutex mutex;
   std::unique_ptr<const sparse::LdlSchedule> schedule;
 };
 
-/// Pattern of P K P^T, slots of all entries, and symbolic factorization. Constant; shared by islands of one shape.
+/// Pattern of P K P^T, P the permutation to elimination order, its slots and symbolic factorization. Constant.
 struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
-  std::vector<int> perm, iperm;    // perm[k]: row of K eliminated k-th; iperm its inverse
-  std::vector<char> of_M;          // whether each row of K, in that order, is a row of M
+  std::vector<int> perm, iperm;    // perm[k]: row of K that is eliminated k-th; iperm: the inverse
+  std::vector<char> of_M;          // one flag per row of P K P^T: it is a row of M
   sparse::UpperCsc K;              // pattern of P K P^T
   std::vector<int> M_slot;         // slot of each entry of the robots' packed M, robot after robot
   std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact
-  std::vector<int> diagonal_slot;  // slot of each contact row's diagonal
+  std::vector<int> diagonal_slot;  // slot of the diagonal entry of each contact row
   sparse::LdlSymbolic ldl;
   std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // used by schedule()
 
-  /// Returns the numeric LDL's schedule; compiled at the first call.
+  /// Returns the schedule of sparse-ldl's numeric phase; the first call compiles it.
   const sparse::LdlSchedule& schedule() const;
   int size() const { return nv + nc; }
 };
 
-/// Returns K's pattern in the island's numbering.
+/// Returns K's pattern with coordinates and rows in the island's numbering.
 sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const IslandSupport& support);
 
-// Elimination orders: permutations as KktPattern::perm. K: natural_pattern.
+// Elimination orders, as permutations KktPattern::perm. K: natural_pattern.
 
-/// Whether each robot has a neighbour through a contact, and none is further from the ground, counted in contacts;
-/// false for all without contacts to the ground. In a tower this is the free end.
+/// Returns one flag per robot: it has neighbours through contacts, none of which is further from the ground, counted in
+/// contacts. In a tower this is the free end. All flags are false without contacts to the ground.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
-/// Returns CAMD's order of n rows with these entries. Row n is last and removed; rows coupled with it come late.
+/// Returns CAMD's order of n rows with these entries. Rows coupled with row n, which is removed at the end, come late.
 std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
-/// Returns Order::kCamd. Ties are broken so that contacts on the robots furthest from the ground come late.
+/// Returns Order::kCamd. Of equivalent orders, contacts on the robots furthest from the ground come late.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
-/// Returns Order::kLeafToRoot. by_degree: camd_order, which orders the contact rows among themselves.
+/// Returns Order::kLeafToRoot. by_degree: camd_order, from which the order of contact rows is taken.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
-/// Returns Order::kContactsEarly. It evaluates J in a configuration without symmetry, so it depends on types, axes and
-/// placements on A. Robots are in the island's order or, if clearly cheaper, in CAMD's of the graph of coupled robots.
+/// Returns Order::kContactsEarly, from J in a configuration without symmetry: it depends on types, axes and placements
+/// on A. Robots are in the island's order or, if clearly cheaper, in CAMD's order of the graph of coupled robots.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 
-/// Analyses K in one of these orders `perm`. K: natural_pattern.
+/// Analyses K in one of these orders; perm: the order. K: natural_pattern.
 KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
                    Order order, std::vector<int> perm);
 
-// Islands with many more contact rows than coordinates, e.g. a thousand points on one sole. Nearly all rows are
-// redundant, and a sparse factor is full: its cost is cubic in the contacts, that of the dense method linear.
+// Overdetermined islands have far more contact rows than coordinates, e.g. a thousand points on one sole. Nearly all
+// rows are redundant, and a sparse factor is full: its cost is cubic in the contacts, the dense method's linear.
 
 /// Whether kAuto chooses the dense method.
 inline bool overdetermined(const Island& island) {
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 
-/// Whether the dense method also replaces sparse methods with an order, whose factors would need too much memory.
+/// Whether the dense method replaces sparse methods with an order, too, as their factors would need too much memory.
 inline bool too_full_for_sparse(const Island& island) {
   return island.nc >= tolerance::kTooFull && overdetermined(island);
 }

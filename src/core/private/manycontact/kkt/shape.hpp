@@ -1,5 +1,5 @@
 #pragma once
-// Islands with the same trees and contacts share all analyses, which do not depend on the state.
+// Islands with equal trees and contacts share all analyses (patterns, orders), which do not depend on the state.
 
 #include <array>
 #include <memory>
@@ -15,31 +15,32 @@
 
 namespace manycontact {
 
-/// The part of an island on which patterns and orders depend. Analyses are computed at the first call, by any thread.
+/// The part of an island that determines patterns and orders. The first call of each function computes an analysis.
 class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);
 
-  const Scene& scene() const { return scene_; }     // only the island's robots and contacts, numbered as in the island
-  const Island& island() const { return island_; }  // the whole of scene()
-  /// Returns the joint-space support; like all below but bodies(), it grows with the squared depth of deep trees.
+  const Scene& scene() const { return scene_; }     // the island's robots and contacts only, numbered as in it
+  const Island& island() const { return island_; }  // all of scene() as one island
+  /// Returns the joint-space support. It grows with the squared depth of trees, as do all members below except
+  /// bodies().
   const IslandSupport& support() const;
 
-  /// Returns a permutation of K's rows. Only that of kContactsEarly depends on contacts' positions on their bodies.
+  /// Returns the permutation of K's rows. Only kContactsEarly's depends on the contacts' positions on their bodies.
   const std::vector<int>& permutation(Order order);
-  /// Returns counts of the factor in that order, without computing its pattern.
+  /// Returns counts of K's factor in that order, without computing the factor's pattern.
   const sparse::LdlCounts& counts(Order order);
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  /// Returns CHOLMOD's analysis of K in that order, without reordering.
+  /// Returns CHOLMOD's analysis of K in that order; CHOLMOD does not reorder.
   const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);
   const std::shared_ptr<const BodyPattern>& bodies();
-  /// Returns the subtrees into which constrained bodies cut the trees.
+  /// Returns the subtrees that remain if trees are cut at constrained bodies.
   const BodySubtrees& body_subtrees();
 
  private:
   Scene scene_;
   Island island_;
-  mutable std::recursive_mutex mutex_;  // guards all below; recursive, as analyses use each other
+  mutable std::recursive_mutex mutex_;  // guards all members below; recursive, as analyses use each other
   mutable std::optional<IslandSupport> support_;
   std::array<std::optional<std::vector<int>>, std::size(kOrders)> permutations_;
   std::array<std::optional<sparse::LdlCounts>, std::size(kOrders)> counts_;
@@ -49,13 +50,14 @@ class IslandShape {
   std::array<std::shared_ptr<const sparse::CholmodSymbolic>, std::size(kOrders)> cholmod_;
 };
 
-/// The shapes so far, which are not analysed again. Keys are all inputs of an analysis, compared number by number.
-/// Positions of points on bodies affect patterns only through one permutation: islands that differ only in these have
-/// one shape if their permutations agree, except in trees too deep for it.
+/// The shapes that were requested so far. The key of a shape has all inputs of an analysis, compared number by number.
+/// Positions of points on bodies affect only the permutation kContactsEarly. Islands that differ only in positions
+/// share a shape if their permutations agree, except in trees too deep for the permutation.
 class ShapeCache {
  public:
   /// Returns the island's shape; allocates nothing for trees and contacts that were requested before. by_places:
-  /// islands with different positions get separate shapes, which avoids the search for the order contacts-early.
+  /// islands with different positions get separate shapes; the order contacts-early is then not computed for
+  /// comparison.
   const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island, bool by_places = false);
   std::size_t size() const { return shapes_.size(); }
   /// Deletes all shapes that are not in `used`.

@@ -1,5 +1,5 @@
 #pragma once
-// Objects shared by all users with equal keys, while any of them is alive.
+// Objects that all users with equal keys share while any user exists.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Keys: numbers, bits of doubles, addresses. Tables share long ones.
+/// Keys of objects: numbers, bits of doubles, addresses. SharedWords: a key that several tables share.
 using Words = std::vector<std::uint64_t>;
 using SharedWords = std::shared_ptr<const Words>;
 
@@ -43,7 +43,7 @@ class Interned {
     std::shared_ptr<T> object;
     SharedWords key;
   };
-  /// Returns the object of that key; calls make() if none is alive. Thread-safe.
+  /// Returns the object with this key; calls make() if no such object exists. Thread-safe.
   template <class Make>
   Found find(const Words& key, Make&& make) {
     const std::lock_guard lock(mutex_);

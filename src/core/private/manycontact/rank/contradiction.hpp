@@ -1,7 +1,7 @@
 #pragma once
 // Decides whether redundant contacts are inconsistent. The definition (mathematics.md, Redundant contacts) is |P (J a +
-// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms, P the projector on the null space of J^T, unless the left side
-// is within rounding errors of a0's terms. In SIMD batches the scalar has one value per robot.
+// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms. P projects on the null space of J^T. Left sides within rounding
+// errors of a0's terms are consistent, too. In SIMD batches the scalar S has one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -17,17 +17,17 @@ S larger_or_nan(const S& a, const S& b) {
   return select(b <= a, a, select(a <= b, b, S(a + b)));
 }
 
-/// A row of J that depends on others, or on which others depend.
+/// A row of J that is part of a dependence: it depends on other rows, or other rows depend on it.
 template <class S>
 struct RowOfContradiction {
   S size;   // size of the row of J (rank/row_size.hpp)
-  S terms;  // the largest term of its a0
-  S left;   // residual J a + a0 in the null space of J^T
+  S terms;  // the largest term of the row's a0
+  S left;   // the row's entry of P (J a + a0)
 };
 
-/// Rounding errors that the projector P on J^T's null space transfers between rows. Null vectors y satisfy sum y_k J_k
-/// = 0, so |P_jk| is at most about s_j / s_k and s_k / s_j, s the rows' sizes. Row k receives at most
-/// min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j) from all rows j, t the terms of a0.
+/// Rounding errors that the projector P transfers between rows. A null vector y has sum y_k J_k = 0, so |P_jk| is at
+/// most about s_j / s_k and s_k / s_j, with the rows' sizes s. From all rows j, row k receives at most min(s_k max(t_j
+/// / s_j), max(t_j s_j) / s_k, max t_j), with the terms t of a0.
 template <class S>
 class PassedRounding {
  public:
@@ -36,30 +36,30 @@ class PassedRounding {
     by_force_ = larger(S(terms * size), by_force_);
     largest_ = larger(terms, largest_);
   }
-  /// Returns the terms with which a row's residual is compared: its own, and those transferred from others.
+  /// Returns the terms with which a row's residual is compared: the row's own, or larger terms of other rows.
   S terms(const S& size, const S& own) const {
     const S passed = select(size > S(0), -larger(larger(S(-size * by_lever_), S(-by_force_ / size)), -largest_), S(0));
     return larger(own, passed);
   }
-  /// Returns the largest terms of any row.
+  /// Returns the largest terms of all rows.
   const S& largest() const { return largest_; }
 
  private:
   S by_lever_ = S(0), by_force_ = S(0), largest_ = S(0);
 };
 
-/// Largest entries of the residual of J a + a0, of |J| |a|, of a0; largest relative residual; range of row sizes.
+/// Largest entries of P (J a + a0), |J| |a| and a0; largest residual relative to its terms; range of row sizes.
 template <class S>
 struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
   S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
 
-  /// Adds |J| |a| and a0 of one row.
+  /// Takes |J| |a| and a0 of one row into account.
   void add_products(const S& its_Ja, const S& its_a0) {
     Ja = larger(its_Ja, Ja);
     a0 = larger(its_a0, a0);
   }
-  /// Adds rows; calls each_row(use(RowOfContradiction)) twice. size 0: no row.
+  /// Takes rows into account; calls each_row(use(RowOfContradiction)) twice. Rows of size 0 are ignored.
   template <class EachRow>
   void add_rows(EachRow&& each_row) {
     using std::abs;
@@ -74,7 +74,7 @@ struct Contradiction {
       largest_row = larger(row.size, largest_row);
     });
   }
-  /// Adds other rows of the same island.
+  /// Takes other rows of the same island into account.
   void add(const Contradiction& other) {
     left = larger_or_nan(other.left, left);
     of_terms = larger_or_nan(other.of_terms, of_terms);
@@ -87,13 +87,13 @@ struct Contradiction {
     return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
   }
 
-  /// Whether derivatives include a term of the inconsistency.
+  /// Whether derivatives must include a term for the inconsistency.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether contacts are inconsistent, by the definition above.
+  /// Whether contacts are inconsistent, by the definition in the file header.
   bool contradicts() const {
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
-  /// Whether rows of very different sizes (radians, micrometres) need least squares by the dense reference solver.
+  /// Whether row sizes differ so much (radians, micrometres) that least squares need the dense reference solver.
   bool needs_dense() const { return least_row < tolerance::kGradedRows * largest_row && contradicts(); }
 };
 

@@ -1,15 +1,15 @@
 #pragma once
-// L D L^T of a saddle point matrix K = [M J^T; J 0] with possibly dependent rows J: rows without a remaining pivot are
+// L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may be dependent. Rows without a remaining pivot are
 // dropped, and the null space of J^T gives their dependence on the kept rows. Everything is in K's elimination order,
-// and of_M flags the rows of M. Rows of M may follow a row of J if earlier rows of M give that row its pivot.
+// and of_M flags the rows of M. Rows of M may follow a row of J if earlier rows of M give the row of J a pivot.
 //
-// For a dropped row k, K's factor without it gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = l_k, solved
-// in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
+// For a dropped row k, K's factor without row k gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = row k of
+// L, in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
 // solves M a + J^T y = b1 with least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of least
-// norm, as rank-revealing dense methods do, at little more than the cost of a sparse solve.
+// norm. This is the solution of dense rank-revealing methods, at little more than the cost of a sparse solve.
 
 #include <span>
 
@@ -18,59 +18,59 @@
 
 namespace manycontact::rank {
 
-/// Memory is reused: nothing is allocated for the same pattern and dependences.
+/// The dropped rows of K, N and its projector. Memory is reused: nothing is allocated for the same dependences.
 struct DependentRows {
-  std::vector<int> dropped;     // rows of K: plainly dependent ones, then waiting dependent ones, each ascending
+  std::vector<int> dropped;     // rows of K: first plainly dependent rows, then dependent waiting rows, each ascending
   std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; or empty
-  WaitingRows waiting;          // rows without a sound pivot that are kept, and rows that depend on them
-  std::vector<char> plain;      // one flag per dropped row: whether the residual of its column of N is a rounding error
-  std::vector<int> Np, Ni;      // N by columns, one per dropped row: rows of K, ...
-  std::vector<double> Nx;       // values, the dropped row's 1 first
+  WaitingRows waiting;          // kept rows without a sound pivot in K's order, and rows that depend on them
+  std::vector<char> plain;      // one flag per dropped row: the residual of its column of N is only rounding error
+  std::vector<int> Np, Ni;      // N, a column per dropped row: column k's rows of K are Ni[Np[k]] ...
+  std::vector<double> Nx;       // values of N, by columns; the first is the dropped row's own 1
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected =
-      0;                    // max |z_j| of columns not orthonormalised: the projector's error is eps times its square
+      0;                    // max |z_j| of columns not orthonormalised: P's error is eps times its square
   int largest_cluster = 0;  // largest number of entries of B in a cluster
 
-  /// Whether the dropped rows depend on the kept ones with tolerable coefficients, after find_null_space: residuals of
-  /// J are rounding errors, and no z_j is large in columns not orthonormalised (kRowLeft, kLargestEntry).
+  /// Whether the dropped rows depend on the kept rows with tolerable z_j, after find_null_space: residuals of J are
+  /// rounding errors, and columns that are not orthonormalised have no large z_j (kRowLeft, kLargestEntry).
   bool accepted() const;
 
-  /// Dropped rows whose columns of N share rows. They are projected by the smaller basis: these columns, or those of
-  /// the complement, spanned by [Z; 1] in dropped and kept rows, where N is [1; -Z].
+  /// A cluster: dropped rows whose columns of N share rows. It is projected by the smaller of two bases B: its columns
+  /// N = [1; -Z] in dropped and kept rows, or the columns [Z^T; 1] of the complement.
   struct Cluster {
     int first = 0, count = 0;  // range in `members`
-    int row = 0, row_end = 0;  // range in `cluster_rows`: rows of K in which N has entries
-    int basis = 0, size = 0;   // columns of B, ...
-    // ... which are N's, a basis of the complement, or N's orthonormalised because of large entries
+    int row = 0, row_end = 0;  // range in `cluster_rows` of the rows of K in which its columns of N have entries
+    int basis = 0, size = 0;   // columns basis ... basis + size - 1 of B, of the kind:
+    // the columns of N, a basis of the complement, or the columns of N orthonormalised because of large entries
     enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
-    std::size_t gram = 0;  // offset in `gram` of the Cholesky factor of B^T B, size x size, by columns
+    std::size_t gram = 0;  // offset in DependentRows::gram of the Cholesky factor of B^T B, size x size, by columns
   };
   std::vector<Cluster> clusters;
-  std::vector<int> members;  // indices in `dropped`
+  std::vector<int> members;  // indices in `dropped`, cluster by cluster
   std::vector<int> cluster_rows;
-  std::vector<int> Bp, Bi;  // the clusters' columns, stored as N
+  std::vector<int> Bp, Bi;  // columns of all clusters' bases B, stored as N is
   std::vector<double> Bx, gram;
 
   // scratch
   std::vector<double> least, terms, x, panel, t;
   std::vector<int> owner;
-  static constexpr int kColumns = 8;  // columns of panels, which have a row for each row of K
-  std::vector<double> N, residual;    // panels: some columns of N, and J^T times these; zero except in these rows:
-  std::vector<int> of_N, touched;     // rows in which N, and residual, may be nonzero
-  std::vector<char> met;              // one flag per row of K: listed in of_N or touched
-  std::vector<int> Jp, Ji;            // entries of row k of J, from Jp[k] on: K's slots, and columns in later rows of M
+  static constexpr int kColumns = 8;  // columns of a panel; a panel has one row for each row of K
+  std::vector<double> N, residual;    // panels: kColumns columns of N, and J^T times these; all rows are zero except:
+  std::vector<int> of_N, touched;     // rows in which N, and rows in which residual, may be nonzero
+  std::vector<char> met;              // one flag per row of K: the row is listed in of_N or touched
+  std::vector<int> Jp, Ji;            // entries of row k of J, from Jp[k] on: K's slots; columns in rows of M after k
   bool M_first = true;                // whether no row of M follows a row of J
 };
 
-/// Sets least (n), the pivots required relative to their terms: a row of J waits if its pivot or the row itself does
-/// not exceed `margin` times rounding (rank/pivots.hpp), a row of M never. row_size: n, unused for rows of M.
+/// Sets least (n), the least pivots relative to their terms. A row of J waits if its pivot, or the row itself, does not
+/// exceed `margin` times its rounding error (rank/pivots.hpp); rows of M never wait. row_size: n sizes of rows of J.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
-/// Lists the waiting rows in `dropped` after the factorization, with pivots D and their terms, and sets their D to
-/// infinity so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: one of M, one of J
-/// with the wrong sign, or one beyond `most` waiting rows. rows.least is an input.
+/// Lists the waiting rows in `dropped`, after a factorization with pivots D and their terms. D of waiting rows becomes
+/// infinite, so that ldl_solve gives zero there. Returns n, or the first row without a sound pivot: a row of M, a row
+/// of J with the wrong sign, or a row beyond `most` waiting rows. rows.least is an input.
 [[nodiscard]] int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, int most,
                                     const double* terms, double* D, DependentRows& rows);
 
@@ -79,37 +79,37 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
                                        std::span<const char> of_M, double margin, const double* row_size,
                                        sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
-/// Computes N and its projector for the rows in `dropped`; row_scale: as row_size above; solve: by L and D. Sets
-/// largest_residual, which is rounding error if these rows are dependent, and largest_entry.
+/// Computes N and its projector for the rows in `dropped`. row_scale: sizes of rows of J; solve: K_kept^-1 by L and D.
+/// Sets largest_entry, and largest_residual, which is a rounding error if the rows are dependent.
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
-/// Computes the clusters and their projectors for N with n rows.
+/// Computes the clusters and their projectors from N; n: rows of K.
 void make_projector(int n, DependentRows& rows);
 
-/// Exchanges dropped rows of a cluster with rows of its null space, after find_null_space, until no entry exceeds
+/// After find_null_space, exchanges dropped rows with kept rows of their columns of N until no entry of N exceeds
 /// kExchanged (tolerances.hpp). The caller factorizes again. False: nothing was exchanged, or a cluster is too large.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Determines which waiting rows are dependent, after ldl_factor_dependent. Rows that are not plainly dependent on
-/// earlier rows join the kept ones by their Schur complement; only rows that depend on all kept ones are dropped.
-/// Computes N and its projector. False: rounding hides which rows are dependent.
+/// Determines which waiting rows are dependent, after ldl_factor_dependent, and computes N and its projector. Rows that
+/// are not plainly dependent on earlier rows join the kept rows by their Schur complement. Rows that depend on all kept
+/// rows are dropped. False: rounding hides which rows are dependent.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);
 
-/// Overwrites X with K_kept^-1 X: `solve`, by L and D, with the waiting rows.
+/// Overwrites X with K_kept^-1 X, by `solve` (L and D) and the Schur complement of the waiting rows.
 void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve);
 
-/// Returns the sizes relative to which residuals are judged, from scale |b| + |K| |x| (n): for a dropped row |N|^T
-/// scale, since errors of kept rows are transferred with z_j. The memory is that of `rows`.
+/// Returns the sizes relative to which residuals are judged, from scale = |b| + |K| |x| (n). For a dropped row it is
+/// |N|^T scale, since errors of kept rows reach it with the coefficients z_j. The memory is that of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
-/// Sets y -= P y, and null_component = P y (n) if given. y: n, in K's order; rows of M are unused.
+/// Sets y -= P y, and null_component = P y (n) if it is given. y: n, in K's order; entries of M's rows are not used.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
-/// Does the same for columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
-/// nonzero: one flag per row of K, set and updated if its row of X is nonzero in these columns; nullptr: all may be.
+/// Sets Y -= P Y in columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
+/// nonzero: one flag per row of K, read and updated: its row of X may be nonzero there; nullptr: all may be.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
                        char* nonzero = nullptr);
 

@@ -7,15 +7,15 @@
 
 namespace manycontact::rank {
 
-/// Returns the x of least |x| among those that minimise |A x - b| (Euclidean norms). A: rows x cols; duplicate entries
-/// are added. x is NaN where it is coupled with entries of A or b that are not finite.
+/// Returns the x of least |x| among all that minimise |A x - b| (Euclidean norms). A: rows x cols; duplicate entries
+/// are added. x is NaN where entries of A or b that are not finite affect it.
 ///
-/// [x; y] solves K [x; y] = [0; b], K = [I A^T; A 0], with dependent rows dropped as in dependent_rows.hpp, and
-/// refined. If rounding hides which rows are dependent, Eigen's complete orthogonal decomposition is used. Source of
-/// the augmented form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
+/// Solves K [x; y] = [0; b] with K = [I A^T; A 0], refined, with dependent rows dropped as in dependent_rows.hpp. If
+/// rounding hides which rows are dependent, Eigen's complete orthogonal decomposition is used. Source of the augmented
+/// form: Bjorck, Numerical Methods for Least Squares Problems (1996), sec. 2.5.
 Eigen::VectorXd least_norm_solution(int rows, int cols, const std::vector<Eigen::Triplet<double>>& A,
                                     const Eigen::VectorXd& b);
-/// Does the same for a dense A, by the complete orthogonal decomposition.
+/// Returns the least-norm solution for a dense A, by the complete orthogonal decomposition.
 Eigen::VectorXd least_norm_solution(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 }  // namespace manycontact::rank

@@ -1,6 +1,6 @@
 #pragma once
 // Criteria for pivots of L D L^T = K = [M J^T; J -delta I], in any elimination order: whether a pivot, or its row of J,
-// exceeds its rounding error. All factors use them; in SIMD batches S has one value per robot.
+// exceeds its rounding error. All factors use these criteria. In SIMD batches the scalar S has one value per robot.
 
 #include <algorithm>
 #include <cmath>
@@ -12,36 +12,36 @@
 
 namespace manycontact::rank {
 
-/// Pivot k and the sizes with which it is compared.
+/// Pivot k, and the sizes with which it is compared.
 template <class S>
 struct Pivot {
   bool of_M;
-  S d, terms;          // D_k, and the magnitude of its terms |K_kk| + sum l_kj^2 |d_j|
-  S own;               // K_kk of a row of M; the largest entry of a row of J
-  S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative if the row itself is judged elsewhere
+  S d, terms;          // d: pivot D_k; terms: |K_kk| + sum l_kj^2 |d_j|, its magnitude
+  S own;               // row of M: K_kk; row of J: its largest entry
+  S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative: `own` is not judged
 };
 
-/// Whether the pivot exceeds `margin` times its rounding error. So must the entry M_kk of a row of M: rows of J whose
-/// terms swamp it had no sound pivots themselves. False for infinite or NaN terms.
+/// Whether the pivot exceeds `margin` times its rounding error. An entry M_kk must also exceed that of the pivot: if
+/// terms of rows of J swamp M_kk, these rows had no sound pivots. False for infinite or NaN terms.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
   const S own = p.of_M ? least : S(margin * tolerance::kRank) * p.row_size;
   return (size > least) & (p.own > own);
 }
-/// Whether the pivot has the sign of its row, which holds in any order, as K has nv positive eigenvalues.
+/// Whether the pivot is positive in a row of M, negative in a row of J; sound pivots of K are so in any order.
 template <class S>
 auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);
 }
 
-/// Elimination amplifies the error of a small pivot of J (damping 0) in later rows, where it may look like a pivot. So
-/// for two pivots with r and s of their terms left, r s must exceed the rounding error. Pairs of M's pivots, which
-/// small masses make small, are exempt. All earlier pivots are compared with the next one.
+/// Elimination amplifies the error of a small pivot of J (damping 0) in later rows, where it may look like a pivot. If
+/// two pivots are r and s relative to their terms, r s must exceed the rounding error. Exempt are pairs of pivots of M,
+/// which small masses make small. Each pivot is compared with all earlier pivots.
 template <class S>
 struct PassedOn {
-  S least = S(1), least_of_J = S(1);  // least |d| / terms so far: of all pivots, of J's
-  /// Whether the next pivot, with left = |d| / terms, passes.
+  S least = S(1), least_of_J = S(1);  // least |d| / terms so far, of all pivots and of J's pivots
+  /// Whether the next pivot passes; left: its |d| / terms.
   auto accepts(bool of_M, const S& left) {
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
@@ -50,7 +50,7 @@ struct PassedOn {
   }
 };
 
-/// Does the same along an elimination tree: a pivot's error reaches only its ancestors. memory: the caller's.
+/// Compares pivots as PassedOn does, but only along an elimination tree: errors reach only a pivot's ancestors.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)
@@ -71,10 +71,10 @@ class PassedOnInTree {
   std::vector<PassedOn<double>>& at_;
 };
 
-/// Whether some pivot is only rounding error, judged more sharply by L: a pivot's error is its terms' rounding error
-/// plus l^2 times those of earlier pivots, except among M's. (In a tall tower pivots of contacts are small relative to
-/// their terms, but hardly affect the pivots of contacts below.) Rows without pivot have infinite D and no L. terms: of
-/// pivots; noise: scratch, n.
+/// Whether some pivot is only rounding error, judged by L more sharply than by PassedOn. A pivot's error is its terms'
+/// rounding error plus l^2 times the errors of earlier pivots, except between pivots of M. (In a tall tower, pivots of
+/// contacts are small relative to their terms, but hardly affect pivots of contacts below.) Rows without a pivot have
+/// infinite D and no L. terms: of the pivots; noise: scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

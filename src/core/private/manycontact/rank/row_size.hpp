@@ -1,13 +1,13 @@
 #pragma once
 // The sizes relative to which contact rows are judged: the motions from which a row of J is selected, and the terms of
-// its a0. Smaller rows or residuals are rounding errors. In SIMD batches the scalar has one value per robot.
+// the row's a0. Smaller rows or residuals are rounding errors. In SIMD batches the scalar has one value per robot.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Returns the largest motion from which row k of a contact is selected, after contact_rows: for points motion_scale,
-/// but at least a hundredth of the rotation times the moment arms; for rotations the rotation in radians alone.
+/// Returns the largest motion from which row k of a contact is selected; call it after contact_rows. For points it is
+/// motion_scale, at least a hundredth of the rotation times the moment arms; for rotations it is the rotation alone.
 template <class S>
 S row_size(const MotionSizes<S>& of, const Contact& contact, const ContactData<S>& data, int k) {
   if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
@@ -29,7 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a tree frame's origin in units of eps; zero if joints displace it only along constant axes.
+/// Returns the error of a tree frame's origin in units of eps; zero if joints displace it along constant axes only.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -43,7 +43,7 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   return off ? largest_entry<S>(kin.origins[tree].p) : S(0);
 }
 
-/// Contributions of displacements and of rotations to row i of a contact.
+/// Weights of displacements and of rotations in row i of a contact.
 template <class S>
 struct RowWeights {
   S linear, angular;
@@ -58,20 +58,20 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
   return row_weights<S>(data.pair ? &*data.pair : nullptr, i);
 }
 
-/// The largest terms of a contact's a0: of a point's motion [m/s^2], for its first three rows, and of rotation
-/// [rad/s^2], for the others; with lengths in micrometres neither bounds the other. Rows of a pair are sums of both.
+/// The largest terms of a contact's a0: of a point's motion [m/s^2] for rows 0 to 2, of rotation [rad/s^2] for the
+/// others. Neither bounds the other if lengths are micrometres. Rows of a pair are sums of both kinds of terms.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
-  const PairNumbers<S>* pair = nullptr;  // terms of a pair; nullptr: no pair
+  const PairNumbers<S>* pair = nullptr;  // weights of the rows of a pair; nullptr: no pair
   S of_row(int i) const {
     if (pair) return pair->terms(i, 0) * linear + pair->terms(i, 1) * angular;
     return i < 3 ? linear : angular;
   }
 };
 
-/// Returns the sizes of all terms: accelerations (including gravity), products of velocities, and terms of gains, whose
-/// error is a difference of placements. origin: error of the bodies' origins, in units of eps.
+/// Returns the largest terms of a contact's a0: accelerations (including gravity), products of velocities, and gains
+/// times placements, whose difference is the error. origin: error of the bodies' origins, in units of eps.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
@@ -88,7 +88,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
           accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
-/// Does the same for bodies placed from the world. kinA, kinB: of the robots of A and B; unused for a fixed B.
+/// Returns row_terms with `origin` from the robots of A and B; A, kinA, B, kinB: their data; unused for a fixed B.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
                       const Model& B, const Kinematics<S>& kinB) {
@@ -98,8 +98,8 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
   return row_terms<S>(contact, data, origin);
 }
 
-/// Returns the largest terms of a contact's a0, with velocities and accelerations of the bodies about the tree's base,
-/// which may cancel at the contact. place: B's position in the world [m].
+/// Returns row_terms, but at least the bodies' velocities and accelerations about the tree's base, which may cancel at
+/// the contact. place: position of B in the world [m].
 template <class S>
 RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>& data, const Model& A,
                                     const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
@@ -116,7 +116,7 @@ RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>
     most.linear = larger(larger(largest, S(turned * lever)), most.linear);
   };
   add_body(contact.A, kinA, data.aMA.p), add_body(contact.B, kinB, data.bMA.p);
-  // A position in the world is as accurate as its own digits, however far away.
+  // A placement in the world is exact up to its own digits, however far away it is.
   if (contact.B.robot < 0) most.linear = larger(S(S(std::abs(contact.alpha)) * largest_entry<S>(place)), most.linear);
   return most;
 }

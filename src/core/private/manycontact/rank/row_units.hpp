@@ -1,7 +1,7 @@
 #pragma once
 // Weights of translational and rotational contact rows (Scene::moment_length). They affect least-norm forces and least
-// squares of inconsistent rows, but not solutions of independent rows. If rows may be dependent, contact rows of K and
-// b are multiplied by S = diag(1, or the length for rotational rows), and K's unknown y is -f divided by S.
+// squares of inconsistent rows, but not solutions of independent rows. If rows may be dependent, the contact rows of K
+// and b are multiplied by S = diag(1, or the length for rotational rows). K's unknown y is then -f divided by S.
 
 #include <cmath>
 #include <span>
@@ -10,18 +10,18 @@
 
 namespace manycontact::internal {
 
-/// Whether damping and moment_length are usable (check_input reports which is not).
+/// Whether damping and moment_length are usable; check_input reports the unusable number.
 inline bool usable_numbers(const Scene& scene) {
   return scene.damping >= 0 && std::isfinite(scene.damping) && scene.moment_length > 0 &&
          std::isfinite(scene.moment_length);
 }
 
-/// Returns the weight of a contact's row: 1 with damping (all rows are independent), and for weighted pairs.
+/// Returns the weight of a contact's row; 1 with damping (all rows are then independent), and for weighted pairs.
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
-/// Whether any weight is not 1. Dependent rows are then dropped only from the whole K, which is weighted.
+/// Whether any weight is not 1. Dependent rows are then dropped only from the whole, weighted K.
 inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : contacts)
@@ -29,7 +29,7 @@ inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   return false;
 }
 
-/// Whether systems other than the whole K may drop dependent rows: without damping, and with equal weights.
+/// Whether systems other than the whole K may drop dependent rows: without damping, and with all weights 1.
 inline bool may_drop_rows(const Scene& scene, std::span<const int> contacts) {
   return scene.damping == 0 && !has_row_units(scene, contacts);
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, with the range of a double; the scalar
-// of the forward path in precision `extended`. Compile with -ffp-contract=off.
+// The unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, with the range of a double. It is the
+// scalar of the forward path in precision `extended`. Compile with -ffp-contract=off.
 //
 // Sums, products and quotients are AccurateDWPlusDW, DWTimesDW2 and a long division. Relative errors of a sum and of a
 // product are below 2^-103. Sources: Dekker, Numerische Mathematik 18 (1971); Knuth, The Art of Computer Programming 2,
@@ -26,17 +26,17 @@ struct DoubleDouble {
 };
 
 namespace detail {
-/// Returns a + b without rounding, for |a| >= |b| or a = 0.
+/// Returns a + b exactly, for |a| >= |b| or a = 0.
 [[gnu::always_inline]] inline DoubleDouble fast_two_sum(double a, double b) {
   const double s = a + b;
   return {s, b - (s - a)};
 }
-/// Returns a + b without rounding.
+/// Returns a + b exactly.
 [[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {
   const double s = a + b, other = s - a;
   return {s, (a - (s - other)) + (b - other)};
 }
-/// Returns a b without rounding, except for underflow.
+/// Returns a b exactly, except for underflow.
 [[gnu::always_inline]] inline DoubleDouble two_product(double a, double b) {
   const double p = a * b;
 #ifdef __FMA__
@@ -47,7 +47,7 @@ namespace detail {
   return {p, al * bl - (((p - ah * bh) - al * bh) - ah * bl)};
 #endif
 }
-/// Returns a b + c, for small correction terms.
+/// Returns a b + c in double, for small correction terms.
 [[gnu::always_inline]] inline double product_plus(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -101,7 +101,7 @@ inline DoubleDouble sqrt(const DoubleDouble& a) {
 }
 
 namespace detail {
-/// 1/n!, as constant expressions: code of an instruction level must not run at start-up.
+/// 1/n! as constant expressions: code compiled for a SIMD level must not run before the level is chosen.
 inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1p+0, 0},
                                                       {0x1p-1, 0},
@@ -139,7 +139,7 @@ inline DoubleDouble series(const DoubleDouble& power, int first, int step, int t
 }
 }  // namespace detail
 
-/// Computes sine and cosine; NaN beyond 2^50.
+/// Computes sine s and cosine c of an angle [rad]; NaN for angles beyond 2^50.
 inline void sin_cos(const DoubleDouble& angle, DoubleDouble& s, DoubleDouble& c) {
   // pi/8 in three doubles, whose multiples are exact enough up to 2^50
   constexpr double kEighth[3] = {0x1.921fb54442d18p-2, 0x1.1a62633145c07p-56, -0x1.f1976b7ed8fbcp-112};
@@ -158,7 +158,7 @@ inline void sin_cos(const DoubleDouble& angle, DoubleDouble& s, DoubleDouble& c)
   const DoubleDouble minus_t2 = -(t * t);
   const DoubleDouble sine = t * detail::series(minus_t2, 1, 2, 12, 6), cosine = detail::series(minus_t2, 0, 2, 13, 7);
   const int k = static_cast<int>(std::fmod(n, 16)), sixteenth = k < 0 ? k + 16 : k;
-  // rotate by j eighths of pi, -2 ... 2, then by quarter revolutions
+  // rotate by j eighths of pi, j = -2 ... 2, then by quarter revolutions
   const int quarter = (sixteenth + 2) / 4, j = sixteenth - 4 * quarter, size = j < 0 ? -j : j;
   const DoubleDouble sj = j < 0 ? -kSine[size] : kSine[size], &cj = kCosine[size];
   const DoubleDouble sum = sine * cj + cosine * sj, other = cosine * cj - sine * sj;
@@ -182,7 +182,7 @@ inline DoubleDouble tan(const DoubleDouble& x) {
   sin_cos(x, s, c);
   return s / c;
 }
-/// Returns the angle of the point (x, y), by one step from that in double; its error is of third order.
+/// Returns the angle of the point (x, y): the angle in double and one correction, with an error of third order.
 inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
   const double angle = std::atan2(y.hi, x.hi);
   if (!std::isfinite(angle) || (y.hi == 0 && x.hi == 0)) return angle;

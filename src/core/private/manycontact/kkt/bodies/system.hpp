@@ -1,6 +1,6 @@
 #pragma once
 // Equations of an island with the bodies' accelerations and the joints' forces as unknowns: many more than in the
-// joint-space K, but each equation involves only a body and its parent, however deep the tree. Unknowns are a_i, f_i (6
+// joint-space K. But each equation involves only a body and its parent, however deep the tree. Unknowns are a_i, f_i (6
 // each) of every body i in its body frame (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
 //
 //   a_i = X a_p + S_i qdd_i + c_i                              X: to the child's origin, p: the parent
@@ -8,7 +8,7 @@
 //   S_i^T f_i + armature qdd_i = tau_i
 //   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
 //
-// With c, p = 0 this is K [qdd; y] = [tau; g]. A base's acceleration is in c of the body attached to it.
+// With c, p = 0 this is K [qdd; y] = [tau; g]. The acceleration of a base is part of c of the bodies attached to it.
 
 #include <memory>
 
@@ -17,55 +17,55 @@
 
 namespace manycontact {
 
-/// Coefficients of the system; nodes, coordinates and rows as in the pattern.
+/// Coefficients of the system. Nodes, coordinates and rows are numbered as in the pattern.
 struct BodySystem {
   std::shared_ptr<const BodyPattern> pattern;
-  std::vector<Vec3<double>> r;     // one entry per node: its origin relative to the parent's
-  Mat6X<double> S;                 // 6 x nv
-  std::vector<Inertia<double>> Y;  // one entry per node
+  std::vector<Vec3<double>> r;     // one entry per node: its body's origin relative to the parent's origin
+  Mat6X<double> S;                 // 6 x nv: motion subspaces
+  std::vector<Inertia<double>> Y;  // one entry per node: inertia
   Eigen::VectorXd armature;        // nv
-  Mat6X<double> GA, GB;            // 6 x nc: forces of a unit y on A's and B's bodies
+  Mat6X<double> GA, GB;            // 6 x nc: forces on the bodies of A and B by y = 1 of each row
   double delta = 0;
 
   void reset(std::shared_ptr<const BodyPattern> p);
 };
 
-/// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g).
+/// Unknowns (a, f, qdd, y), or right-hand sides (c, p, tau, g), in the order motion, force, joints, rows.
 struct BodyVectors {
-  std::vector<Vec6<double>> motion, force;  // one entry per node
-  Eigen::VectorXd joints, rows;             // nv, nc
+  std::vector<Vec6<double>> motion, force;  // one entry per node: a or c (motion), f or p (force)
+  Eigen::VectorXd joints, rows;             // nv: qdd or tau; nc: y or g
 
   void resize(const BodyPattern& p);
   void set_zero();
 };
 
-/// Residual of a solution x.
+/// Residual of a solution x of the body-space system.
 struct BodyResidual {
-  BodyVectors r;  // right-hand minus left-hand sides; f's has the opposite sign
+  BodyVectors r;  // right-hand minus left-hand sides; opposite sign for f
   // set only by backward_error
   std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
   Eigen::VectorXd row_scale;                // nc
-  double dynamics = 0, dynamics_scale = 0;  // largest residuals and terms of f and of the joints
-  double contact = 0, contact_scale = 0;    // the same of the rows
+  double dynamics = 0, dynamics_scale = 0;  // largest residual, and terms, of f and the joints
+  double contact = 0, contact_scale = 0;    // largest residual, and terms, of the rows
 
   void resize(const BodyPattern& p);
 };
 
-/// Fills `out`; returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
-/// relative to its terms, which are at least eps times the largest of their kind. f in a joint's equation and a in a
-/// row's count with the terms of which they are sums. NaN if x is not finite.
+/// Fills `out` and returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
+/// relative to its terms. Terms count as at least eps times the largest terms of their kind. In a joint's equation f,
+/// and in a row's equation a, counts with the terms of which it is the sum. NaN if x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
-/// Computes the same node by node, within a sweep. Terms are not kept and have no lower bound, so the error is at least
-/// that of backward_error. `more` is added to x.rows at the nodes, if given.
+/// Computes backward_error node by node, during a sweep. Terms are not stored and have no lower bound, so that the
+/// error is at least that of backward_error. `more`, if given, is added to x.rows at the nodes.
 class BodyJudge {
  public:
   BodyJudge(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out)
       : s_(system), b_(rhs), x_(x), out_(out) {}
-  void node(int i, const double* more = nullptr);  // call it once the children's forces are known
-  void rows();                                     // all rows, after the nodes
-  double error();                                  // also completes `out`
+  void node(int i, const double* more = nullptr);  // call it for a node once its children's forces are known
+  void rows();                                     // call it after all nodes: all rows
+  double error();                                  // completes `out` and returns the backward error
 
  private:
   template <int N, bool Keep>
@@ -77,7 +77,7 @@ class BodyJudge {
   BodyResidual& out_;
   double error_ = 0, dynamics_ = 0, contact_ = 0;
   double largest_[4] = {0, 0, 0, 0}, joint_ = 0, row_ = 0;
-  double sum_ = 0;  // sum of all residuals; not finite if any unknown is not
+  double sum_ = 0;  // sum of all residuals, not finite if an unknown is not finite
 };
 
 }  // namespace manycontact

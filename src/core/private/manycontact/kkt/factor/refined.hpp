@@ -1,5 +1,5 @@
 #pragma once
-// Iterative refinement with any factor by the true residual: x += K^-1 (b - K x).
+// Iterative refinement by the true residual with any factor of K: x += K^-1 (b - K x).
 
 #include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -8,22 +8,22 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds the inconsistent part, which was removed from v.b because of redundant rows, to v.b and v.r again.
+/// Adds the inconsistent part of b, which a solve with redundant rows removed, to v.b and v.r again.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
 
 /// Memory for refining row-major panels of K.size() rows.
 struct PanelWork {
-  std::vector<double> B;  // right-hand sides; overwritten
-  std::vector<double> R;  // residuals, if they are checked
+  std::vector<double> B;  // right-hand sides, overwritten
+  std::vector<double> R;  // residuals, if the caller checks them
   std::vector<double> sums;
-  std::vector<char> nonzero;  // flags, at least one per row of K
+  std::vector<char> nonzero;  // scratch: at least one flag per row of K
   KktVectors column;
 };
 
-/// Refines a whole panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), until
-/// the largest residual of a column is rounding error. Returns that residual relative to |K|_1 |X| + |B|. work.B: B.
+/// Refines a panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), B = work.B,
+/// until each column's residual is rounding error. Returns the largest residual relative to |K|_1 |X| + |B|.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
 
 }  // namespace manycontact
