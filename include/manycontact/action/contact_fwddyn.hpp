@@ -1,8 +1,8 @@
 #pragma once
 // Contact forward dynamics with costs and constraints: the node of an optimal control problem.
 //
-//     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]
-//     [ J  -delta I] [ -f ] = [     -a0       ]        delta = JMinvJt_damping
+//     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]        M mass matrix, h bias torques, a accelerations, f contact forces
+//     [ J  -delta I] [ -f ] = [     -a0       ]        J contact Jacobian, a0 its bias, delta = JMinvJt_damping
 //
 // The interface is that of Crocoddyl's DifferentialActionModelContactFwdDynamics, and of sobec's. The equations are
 // solved by dynamics/solve.hpp and differentiated by dynamics/differentiate.hpp.
@@ -32,8 +32,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   using crocoContactModelMultiple = manycontact::ContactModelMultiple;  // sobec's name
   using StateMultibody = manycontact::StateMultibody;
 
-  /// enable_force: compute the derivatives of contact forces; they are also computed if a cost or a constraint needs
-  /// them. Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
+  /// enable_force: always compute the derivatives of contact forces, not only if a cost or a constraint needs them.
+  /// Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
   DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,
@@ -79,9 +79,9 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }  // for data created afterwards
-  /// The initial state of motions (nx); empty: not specified, as initially. Constraint rows that are dependent there,
-  /// as in closed mechanisms with redundant rows, are treated as dependent in all solves of data created afterwards.
-  /// This remains so if integration errors have slightly opened the loop.
+  /// The initial state of motions (nx); empty, as initially: not specified. Some closed mechanisms have contact rows
+  /// that depend linearly on others in this state. All solves of data created afterwards treat these rows as dependent,
+  /// even if integration errors have slightly opened the mechanism's loop.
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
@@ -109,7 +109,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   Data& refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  // Identifies the model, unlike its address, which a later model may have. Copies share the parts and the identity.
+  // Identifies the model in its data. (The address of a deleted model may be reused.) Copies have the same identity.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
@@ -117,14 +117,14 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::shared_ptr<CostModelSum> costs_;
   std::shared_ptr<ConstraintModelManager> constraints_;
   Eigen::VectorXd armature_;
-  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with this armature
+  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with armature_
   double damping_;
   bool enable_force_;
   Options options_;
   Eigen::VectorXd start_;
   std::vector<Vec6<double>> wrenches_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
-  /// Status of the constraints when set_g_lb, set_g_ub were called.
+  /// Value of ConstraintModelManager::get_status when set_g_lb, set_g_ub were called.
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;
 };
 
@@ -146,7 +146,7 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
   std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models;
   Eigen::VectorXd x, u;      // state and controls of the last calc
   std::vector<bool> status;  // whether each cost, then each constraint, was active at the last calc
-  bool laid_out = true;      // columns and blocks fit the islands
+  bool laid_out = true;      // whether the columns and blocks of derivatives fit the current contact islands
 };
 
 }  // namespace manycontact

@@ -5,10 +5,10 @@
 
 namespace manycontact {
 
-struct TaskViolation {  // The violation of one constraint.
-  std::string constraint;
-  double by = 0;         // largest distance of a row from its bounds, over all nodes
-  std::size_t node = 0;  // the node with the largest distance
+struct TaskViolation {     // The violation of one constraint.
+  std::string constraint;  // name of the constraint
+  double by = 0;           // largest distance of a row from its bounds, over all nodes
+  std::size_t node = 0;    // the node with the largest distance
 };
 
 /// Lists the violation of every constraint, by name, at the problem's last calc.
@@ -20,7 +20,7 @@ struct TaskFailure {  // Part of a scene whose dynamics fail.
                                  // robots and the solver's reason
 };
 
-/// Lists what fails at the first such node of the problem's last calc; empty where none does.
+/// Lists the failures of the first node whose dynamics failed in the problem's last calc; empty if none failed.
 std::vector<TaskFailure> failed_dynamics(const TaskProblem& problem);
 
 }  // namespace manycontact
