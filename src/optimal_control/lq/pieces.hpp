@@ -1,5 +1,5 @@
 #pragma once
-// Maps a group's vectors to a knot's: calls f(first in the group's vector, first in the knot's, size) for each piece.
+// Maps the vectors of a group to those of its knot: calls f(first in the group, first in the knot, size) per piece.
 
 #include "manycontact/lq/problem.hpp"
 

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
+#include "manycontact/control/fit.hpp"
 #include "kkt_residual.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
-#include "manycontact/control/fit.hpp"
 #include "manycontact/sparse/largest.hpp"
 
 namespace manycontact {

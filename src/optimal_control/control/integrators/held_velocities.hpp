@@ -1,7 +1,7 @@
 #pragma once
-// Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp), by `solve` and `differentiate`
-// at the state (q, s v) with gains (alpha, beta / s). There J a + s^2 J' v = -beta J v - alpha e. With s = 2^-30 the
-// term in s^2 is below rounding errors, while beta J v is unchanged. The torques include the bias at v.
+// Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp). `solve` and `differentiate`
+// are called at the state (q, s v) with gains (alpha, beta / s): J a + s^2 J' v = -beta J v - alpha e. With s = 2^-30
+// the term with J' v is below rounding errors, while beta J v is unchanged. The torques tau include the bias at v.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
@@ -11,15 +11,15 @@
 namespace manycontact::internal {
 
 struct HeldVelocities {
-  /// Makes the workspace for these dynamics, steps of h and nw controls.
+  /// Makes the workspace for the dynamics in `of`, steps of h [s] and nw controls.
   HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
 
-  /// Whether this workspace fits the dynamics as they are now, and steps of h.
+  /// Whether this workspace fits the current robots of `of` and steps of h. If not, a new workspace is needed.
   bool serve(const DataCollector& of, double h);
 
-  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step ends the step.
-  /// The differential model's calc at the state comes first: its torques in `of` are used.
+  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step computes xnext.
+  /// The differential model's calc must be called first at the same state, because `of` provides the torques.
   void solve_at(const ConstVectorRef& state, double h, const DataCollector& of);
   void finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext);
 
@@ -29,7 +29,7 @@ struct HeldVelocities {
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
-  Scene scene;             // scene of `of` without gravity; joints add to M, contacts have beta / s
+  Scene scene;             // scene of `of` without gravity, with inertias that include `joints`, contact gains beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // the state; s v
   Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
