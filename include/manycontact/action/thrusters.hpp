@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// The direction of rotation of a propeller. CW gives a torque along the thrust, CCW one against it.
+/// The direction of rotation of a propeller. CW causes a torque along the thrust, CCW a torque against the thrust.
 enum ThrusterType { CW = 0, CCW };
 
 /// A propeller on the base.
@@ -23,7 +23,7 @@ struct Thruster {
   SE3<double> pose;  // placement in the base's frame; the thrust is along its z axis
   double ctorque;    // torque about that axis per thrust [m]
   ThrusterType type;
-  double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
+  double min_thrust, max_thrust;  // N: bounds of u; the user must set them as control limits of action models
 };
 std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints the thruster
 
@@ -35,7 +35,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
-  /// Computes the least-squares u of least norm.
+  /// Computes the controls u that minimise |W u - tau|, and among these the u of least norm.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;

@@ -43,7 +43,7 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
-  virtual double get_weight(std::size_t) const { return 1; }  // weight of a stage in the cost, relative to the step
+  virtual double get_weight(std::size_t) const { return 1; }  // weight of the stage's cost, in units of the step
   bool checkData(const DataPtr& data) override;
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                    double tol = 1e-9) override;

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// The common base: robots and their mass.
+/// The common base: contains the numbers of the robots, and their mass.
 class CentroidalResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -20,7 +20,7 @@ class CentroidalResidual : public NamedResidual {
                      Dependence on, int robot);
   int robot_;
   int first_, last_;  // numbers of the robots: first to last - 1
-  double mass_;       // mass of these robots [kg]
+  double mass_;       // total mass of robots first_ to last_ - 1 [kg]
 };
 
 /// The position of the centre of mass minus cref (3) [m], in the world.
