@@ -110,7 +110,7 @@ class ActivationModelQuadraticBarrier : public NamedActivation {
   void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
-/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in Crocoddyl 3.0 it is w.)
+/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (The Hessian is w^2; Crocoddyl 3.0 has w.)
 class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticBarrier {
  public:
   /// Throws std::invalid_argument unless there is one weight per row.

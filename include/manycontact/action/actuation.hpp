@@ -26,7 +26,7 @@ class ActuationMatrix : public Eigen::SparseMatrix<double> {
     return *this;
   }
   double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }    // creates the entry
-  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // the entry, or 0 if there is none
+  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // entry (i, j); 0 if not stored
   /// Whether all entries are zero.
   bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
     return Eigen::MatrixXd(*this).isZero(precision);

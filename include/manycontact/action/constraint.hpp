@@ -1,5 +1,5 @@
 #pragma once
-// Constraints on residuals, and stacks of them. Names and interface are Crocoddyl's.
+// Constraints on residuals, and stacks of constraints. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/residual.hpp"
@@ -103,7 +103,7 @@ struct ConstraintDataManager {
     data->Hx.conservativeResize(nh, ndx), data->Hu.conservativeResize(nh, nu);
     shareMemory(data);
   }
-  /// Resizes the stack's own data, for a running or a terminal node. Evaluation does this itself.
+  /// Resizes this object for a running or a terminal node. calc and calcDiff also do this.
   template <class Manager>
   void resize(Manager* model, bool running_node = true) {
     model->lay_out(*this, !running_node);
@@ -139,7 +139,7 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name) { remove(name); }
   void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
-  bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
+  bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether the part is active
 
   /// calc computes out->g, out->h, calcDiff their Jacobians; without u: of a terminal node. Switching resizes them.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }

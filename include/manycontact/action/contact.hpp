@@ -51,7 +51,7 @@ struct ContactDataAbstract {
 
   // Members for standalone evaluation.
   MultibodyData* pinocchio = nullptr;
-  SpatialForce fext;       // set by updateForce: on A's body, in the frame of its joint
+  SpatialForce fext;       // set by updateForce: force on A's body, in the frame of the body's joint
   Eigen::MatrixXd dv0_dq;  // nc x nv, of an impulse: set by calcDiff, d(J v)/dq at v
   Contact own_contact;
   std::vector<int> own_x_columns, own_u_columns;
@@ -291,7 +291,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   std::size_t nc_ = 0, nc_total_ = 0;
 };
 
-/// Makes a stack of all contacts of a scene, for example of a scene file, with their names.
+/// Makes a stack of all contacts of a scene (for example of a scene file), with the contacts' names.
 std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,
                                                         std::size_t nu);
 

@@ -22,8 +22,8 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<ResidualDataAbstract> residual;
   /// True for a user-defined cost: the sum adds Lx, Lu, Lxx, Lxu, Luu. Otherwise the sum reads the residual's blocks.
   const bool own;
-  /// Derivatives of this cost alone, without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In the
-  /// data of an action model they are empty, unless the class is user-defined; call whole_derivatives instead.
+  /// Derivatives of this cost without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In an action
+  /// model's data they are empty unless the cost's class is user-defined; call whole_derivatives instead.
   Eigen::VectorXd Lx, Lu;
   Eigen::MatrixXd Lxx, Lxu, Luu;
   /// Computes the derivatives after calcDiff, for inspection; allocates at each call.

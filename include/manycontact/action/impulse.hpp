@@ -10,7 +10,7 @@ namespace manycontact {
 /// Here v, v+ are the velocities before and after the impact, and e is the coefficient of restitution.
 using ImpulseDataAbstract = ContactDataAbstract;
 
-/// The data of a stack of impulses. Members are set in standalone evaluation, as those of ContactDataMultiple.
+/// The data of a stack of impulses. The matrices and vectors are set in standalone evaluation only.
 struct ImpulseDataMultiple : ContactDataMultiple {
   std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
   Eigen::MatrixXd dv0_dq;     // nc_total x nv: set by calcDiff
@@ -41,7 +41,7 @@ class ImpulseModelAbstract : public Printable {
   ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
   void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
   void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
-  /// The contact with the same rows.
+  /// The contact model that has the same constraint rows as this impulse.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
   void print(std::ostream& os) const override;  // prints type and sizes
 
@@ -116,7 +116,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
-  bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether it is active
+  bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether the impulse is active
 
   /// Standalone: call calc or calcDiff of each active impulse, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
@@ -131,7 +131,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses
   std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
   std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
-  /// The stack of contacts with the same rows.
+  /// The stack of contact models that have the same constraint rows as these impulses.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
 
  private:

@@ -28,9 +28,9 @@ struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
   std::vector<ResidualBlock> blocks;  // Jacobians: set by calcDiff; lay_out sets the indices of rows and columns
   /// The whole matrices, nr x ndx and nr x nu, set by calcDiff. Empty in the data of an action model.
   Eigen::MatrixXd Rx, Ru;
-  /// Assemble the whole matrices from the blocks, for inspection; they allocate at each call.
+  /// Assembles the whole Rx from the blocks, for inspection; allocates at each call.
   Eigen::MatrixXd whole_Rx() const;
-  Eigen::MatrixXd whole_Ru() const;  // assembles the whole matrix of controls
+  Eigen::MatrixXd whole_Ru() const;  // assembles the whole Ru from the blocks
 
  private:
   std::size_t ndx_, nu_;
@@ -40,7 +40,7 @@ struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
 struct Dependence {
   bool q = false, v = false, u = false;
   bool acceleration = false;  // depends on xout, and therefore on all of q, v, u
-  bool forces = false;        // depends on contact forces, and therefore on all of q, v, u; needs their derivatives
+  bool forces = false;        // depends on contact forces and their derivatives, and therefore on all of q, v, u
 };
 
 class ResidualModelAbstract : public Printable {  // A function r(x, u).

@@ -8,7 +8,7 @@ namespace manycontact {
 
 class SquashingModelAbstract;
 
-/// The controls u and their derivative.
+/// The controls u(s), and their derivative with respect to s.
 struct SquashingDataAbstract {
   explicit SquashingDataAbstract(const SquashingModelAbstract* model);  // allocates the data of the model
   virtual ~SquashingDataAbstract() = default;

@@ -58,7 +58,7 @@ class StateAbstract {  // A manifold with differences and sums.
   bool has_limits_ = false;
 };
 
-/// Whether parts made for one of the states can be used with the other: they are the same, or have the same Multibody.
+/// Whether parts made for state a can be used with state b: a and b are one object, or have the same Multibody.
 bool same_space(const StateAbstract& a, const StateAbstract& b);
 
 class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scene.

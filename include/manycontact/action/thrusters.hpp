@@ -43,7 +43,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
 
   const std::vector<Thruster>& get_thrusters() const { return thrusters_; }  // the propellers
   std::size_t get_nthrusters() const { return thrusters_.size(); }           // number of propellers
-  /// The number of thrusters must not change. Data adopt them at the next calc, calcDiff, commands or torqueTransform.
+  /// Replaces the thrusters; their number must not change. Existing data are updated at their next use.
   void set_thrusters(const std::vector<Thruster>& thrusters);
   const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u
   const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudoinverse

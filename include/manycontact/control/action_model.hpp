@@ -17,7 +17,7 @@ struct WithoutMatrices {};
 /// The results of a node. Sizes are those of the model.
 struct ActionDataAbstract {
   explicit ActionDataAbstract(const ActionModelAbstract* model);  // allocates the data of the model
-  /// Leaves the derivatives empty, for data that store them elsewhere.
+  /// Leaves the derivatives' matrices empty, for classes of data that store derivatives in another form.
   ActionDataAbstract(const ActionModelAbstract* model, WithoutMatrices);
   virtual ~ActionDataAbstract() = default;
 

@@ -74,7 +74,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// The multipliers of the dynamics after a solve (T + 1 vectors of ndx), as the function kkt_residual takes them.
   const Vectors& get_dynamics_multipliers() const { return inner_->get_Vx(); }
   void reset();  // resets the multipliers to zero and the penalty to its initial value
-  /// Calls the problem's circularAppend. Multipliers move with their nodes; those of the new node are zero.
+  /// Calls the problem's circularAppend. Multipliers move with their nodes; the new node has zero multipliers.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
 
@@ -181,7 +181,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   int window_ = 0;                        // number of iterations of the current minimisation
   bool crawls_ = false;                   // the minimisation was ended because its reductions became too small
   std::array<double, 2> last_stops_{};    // `stop` of the previous two iterations
-  double failed_stop_ = 0;                // `stop` at which quasi-Newton steps failed, in this minimisation
+  double failed_stop_ = 0;                // `stop` when quasi-Newton steps failed in this minimisation, else infinite
   bool slow_ = false;                     // isSlow() ended the Gauss-Newton steps, to try quasi-Newton steps
   bool curved_ = false;                   // quasi-Newton steps replace Gauss-Newton steps
   StopReason ended_ = StopReason::kNone;  // why the minimisation ended

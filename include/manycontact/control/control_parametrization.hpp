@@ -16,7 +16,7 @@ enum RKType { two = 2, three = 3, four = 4 };
 
 class ControlParametrizationModelAbstract;
 
-/// Controls at one time, and their derivative.
+/// The controls w at one time t, and their derivative with respect to the parameters u.
 struct ControlParametrizationDataAbstract {
   /// Allocates the data of the model.
   explicit ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model);

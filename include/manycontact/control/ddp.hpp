@@ -39,7 +39,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
 
-  /// Computes the derivatives of all nodes at the candidate, and its infeasibilities; returns the cost.
+  /// Computes the derivatives of all nodes at the candidate, and the candidate's infeasibilities; returns the cost.
   virtual double calcDiff();
   /// Computes the search direction. If it fails, direction_is_sound() is false, and the direction is unusable.
   virtual void backwardPass();
@@ -153,7 +153,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// Whether the tried step is accepted, from the actual and the expected reduction of the cost, dV and dVexp.
   virtual bool accepts() const;
   virtual bool closesGaps() const { return true; }  // whether an accepted step closes all gaps
-  bool findDirection(bool recalc);  // computes a direction, and increases the regularisation if it fails
+  bool findDirection(bool recalc);  // computes a direction; increases the regularisation until this succeeds
   bool searchLine();                // tries steps along the direction; returns whether one was accepted
   bool adaptRegularization();  // adapts the regularisation to the last step; returns whether it is below its maximum
   StopReason iterate(std::size_t first,
@@ -192,7 +192,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
   bool sound_ = false, stepped_ = false, rolled_out_ = false;
-  bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
+  bool held_changed_ = false;  // the last gradient has other controls at limits than the gradient before it
 
  private:
   void measureScale();

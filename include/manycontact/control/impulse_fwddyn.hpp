@@ -99,7 +99,7 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);  // allocates the data of the model
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
-  DataCollector* multibody;  // collector of `dynamics`; its contacts are the impulses by name
+  DataCollector* multibody;  // collector of `dynamics`, in which the contacts are the impulses by name
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
   std::shared_ptr<DifferentialActionDataAbstract> terms;       // derivatives of costs and constraints

@@ -32,7 +32,7 @@ struct TaskGains {
   std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and at nodes where another entry has the robots
 };
 
-struct TaskSolution {  // The result of optimize, and how it was found.
+struct TaskSolution {  // The result of optimize, and a report of the solve.
   bool converged = false;
   double cost = 0;
   std::string reason;                     // why the solve stopped, with violated constraints, failures and remarks
@@ -60,7 +60,7 @@ struct TaskSolution {  // The result of optimize, and how it was found.
 struct TaskOptions {                      // Solver settings that are not in the file.
   std::optional<TaskSolver> solver = {};  // none: the solver that the task names
   int threads = 0;                        // number of threads; 0: OpenMP's number
-  /// Called after each iteration; if it returns false, the solve ends.
+  /// Called after each iteration. The solve ends if the call returns false.
   std::function<bool(const TaskIteration&)> each = {};
 };
 

@@ -14,10 +14,9 @@ struct TaskViolation {     // The violation of one constraint.
 /// Lists the violation of every constraint, by name, at the problem's last calc.
 std::vector<TaskViolation> violations(const TaskProblem& problem);
 
-struct TaskFailure {  // Part of a scene whose dynamics fail.
+struct TaskFailure {  // A part of a scene whose dynamics could not be solved, and why.
   std::size_t node = 0;
-  std::string kind, name, text;  // "no_inertia", "q/root" and the reason (see massless_joints); else "failed", the
-                                 // robots and the solver's reason
+  std::string kind, name, text;  // "no_inertia", a joint, the reason (massless_joints); or "failed", robots, the reason
 };
 
 /// Lists the failures of the first node whose dynamics failed in the problem's last calc; empty if none failed.

@@ -24,7 +24,7 @@ void each_residual(const ActionTerms& terms, Use&& use) {
 /// constraint's `active` was changed without changeConstraintStatus.
 void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
                  const ConstraintDataManager* constraints);
-/// Whether the blocks of all residuals' data fit their residuals; false after a residual's frame has changed.
+/// Whether ResidualModelAbstract::fits is true for the data of all residuals; false if a residual's frame has changed.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
 /// Stores whether each term is active, in the order of each_residual; has_status compares terms with stored values.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);

@@ -139,7 +139,7 @@ void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg
 void CouplingSchur::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
   riccati_.pass(problem, h, z);
   equations_of_y(problem, layout_, h, z, terms_);
-  const auto each = [&](auto&& f) {  // f(vector of z, vector of terms_, first in these, size, first in y)
+  const auto each = [&](auto&& f) {  // f(part of z, same part of terms_, first index in both, size, first index in y_)
     for (std::size_t k = 0; k < graph_.places.size(); ++k)
       for (std::size_t b = 0; b < graph_.places[k].size(); ++b) {
         const CouplingPlace& place = graph_.places[k][b];

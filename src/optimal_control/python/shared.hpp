@@ -40,7 +40,7 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// The collector of the innermost call on these data. Raises ValueError if there is none.
+  /// Returns the Shared of the innermost running call with these data. Raises ValueError if no call is running.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:

@@ -69,7 +69,7 @@ class Timed : public Base {
   Passes& passes_;
 };
 
-// Records each iteration, and interrupts the solve if the caller asks for it.
+// Records each iteration, and interrupts the solve if TaskOptions::each returns false.
 class Record : public CallbackAbstract {
  public:
   Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)

@@ -173,7 +173,7 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-// Divides a part's robots into blocks if couplings can join these and, for kAuto, if this costs less; else into one.
+// Divides a part's robots into blocks if couplings permit blocks and, with kAuto, if this takes fewer operations.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
   std::vector<std::vector<int>> blocks;
   if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
@@ -200,7 +200,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and their blocks, numbered within the part.
+// A part of the scene: its robots, and the blocks of these robots (numbers within the part).
 struct Part {
   std::vector<int> robots;
   TaskFile task;

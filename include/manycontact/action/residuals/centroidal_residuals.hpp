@@ -23,7 +23,7 @@ class CentroidalResidual : public NamedResidual {
   double mass_;       // total mass of robots first_ to last_ - 1 [kg]
 };
 
-/// The position of the centre of mass minus cref (3) [m], in the world.
+/// The position of the centre of mass (3) minus the reference cref [m], in the world.
 class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual, Eigen::Vector3d> {
  public:
   /// robot: its number; -1: the whole scene.

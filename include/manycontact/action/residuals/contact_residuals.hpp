@@ -35,7 +35,7 @@ class ContactResidual : public FrameResidual {
   /// Throws std::invalid_argument for a frame that does not exist, or unless fwddyn is true.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
-  /// The reason why a contact of this type does not fit; empty if it fits. By default only 6D contacts do.
+  /// Why a contact of this type does not fit the residual; empty if it fits. By default only 6D contacts fit.
   virtual std::string misfit(ContactType type) const;
   virtual bool is_cone() const { return true; }  // whether the residual is that of a cone
   /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.

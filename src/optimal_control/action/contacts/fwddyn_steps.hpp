@@ -23,7 +23,7 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 void fill_contacts(DataCollector& m);
 /// Sets da0_dx of each active contact and, with `forces`, the views df_dx, df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
-/// Fills Fx, Fu and their sparse counterparts from the islands' panels.
+/// Copies the islands' panels to Fx, Fu, dense or sparse as the storage requires.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
 enum class Actuation { kActuated, kAll, kCustom };  // u: torques of actuated, of all coordinates; or any tau(x, u)

@@ -140,7 +140,7 @@ namespace {
 bool is_active(const CostItem& item) { return item.active; }
 std::size_t nr_of(const CostItem& item) { return item.cost->get_residual()->get_nr(); }
 
-// Sets derivatives to zero; in a terminal node only those with respect to x.
+// Sets derivatives to zero; in a terminal node only Lx and Lxx.
 template <class Derivatives>
 void set_zero(Derivatives& d, bool terminal) {
   d.Lx.setZero();

@@ -25,7 +25,7 @@ bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1
 // Workspace for one group of costs.
 struct Scratch {
   std::vector<double> L, R;  // row-major: L = [Rx Ru], R = [w Arr Rx, w Arr Ru, w Ar]
-  std::vector<double> H;     // L^T R; its last column is the gradient
+  std::vector<double> H;     // L^T R: Hessian, and the gradient in the last column
 };
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
@@ -41,7 +41,7 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
           "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
 
-// Copies the upper triangle of a symmetric matrix to the lower one; ld: a multiple of eight.
+// Copies the upper triangle of a symmetric row-major matrix H to the lower triangle. ld: row length, multiple of eight.
 void mirror(double* H, int n, int ld) {
   using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
   using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;

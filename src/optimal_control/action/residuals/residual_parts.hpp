@@ -29,7 +29,7 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
   return frames[id];
 }
 
-/// Casts the data of a residual to the class of its createData.
+/// Casts the data of a residual to the class Data that the residual's createData creates.
 template <class Data>
 Data& own(ResidualDataAbstract& data) {
   return static_cast<Data&>(data);

@@ -14,7 +14,7 @@ struct GravityData : ResidualDataAbstract {
   StaticTorque statics;                      // set by calc
   std::vector<int> local;                    // set by lay_out: index of each velocity coordinate in its island
   std::vector<int> island;                   // set by lay_out: island of each velocity coordinate
-  std::vector<std::vector<int>> q_column;    // set by lay_out, one entry per island: columns of its q in the block
+  std::vector<std::vector<int>> q_column;    // set by lay_out, by island: columns of the island's q in its block
   std::vector<IslandDerivatives::Panel> dg;  // set by calcDiff: derivative of the static torque, per island
 };
 

@@ -24,7 +24,7 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-constexpr double kProgress = 0.1;  // the penalty grows unless a minimisation reduces m to this share
+constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this share of m
 constexpr double kHoped = 0.3;     // m is expected to be this multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error

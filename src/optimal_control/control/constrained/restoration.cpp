@@ -385,7 +385,7 @@ StopReason AL::restore(std::size_t maxiter) {
 // Sets the scale of the cost from the candidate's large cost, and a penalty that outweighs this cost. `violation`: the
 // violation before the restoration, which a minimisation of the cost alone leaves.
 void AL::takeCostOf(double violation) {
-  constexpr double kOrdinary = 1e4;  // th_stop and th_kkt suit costs up to this size
+  constexpr double kOrdinary = 1e4;  // largest cost for which th_stop and th_kkt need no scaling
   const double of_cost = std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary)));
   scale_ = std::max(scale_, of_cost);
   kkt_scale_ = std::max(kkt_scale_, of_cost);

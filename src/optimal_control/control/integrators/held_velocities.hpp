@@ -25,7 +25,7 @@ struct HeldVelocities {
 
   /// Computes a_x, a_w (nv x ndx, nv x nw) in F, after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// Changes F (ndx x (ndx + nw)) from derivatives of [q + h x; x], in q's tangent space, to those of the next state.
+  /// Computes in F (ndx x (ndx + nw)) the derivatives of the next state, from the derivatives of [q + h x; x] in F.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
@@ -52,7 +52,7 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // Add external wrenches and springs to the motors' torques at q, v, and their derivatives to dtau_dx_.
+  // take_torques adds external wrenches and springs to the motors' torques; differentiate_torques computes dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {

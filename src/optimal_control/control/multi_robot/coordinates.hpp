@@ -1,5 +1,5 @@
 #pragma once
-// Copies between the coordinates of a node and those of its subproblems.
+// Copies between the coordinates of a node and the coordinates of its subproblems.
 
 #include <string>
 

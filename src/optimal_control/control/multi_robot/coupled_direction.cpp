@@ -93,7 +93,7 @@ void CoupledDirection::step_control(std::size_t t, double steplength) {
   add_gains_times(t, from_model_, us_try_[t]);
 }
 
-// Calls use(cluster, K of its controls) for each cluster at node t.
+// Calls use(cluster, K) for each cluster at node t, where K are the gains of the cluster's controls.
 template <class Use>
 void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
   const std::vector<lq::Cluster>& clusters = policies_->plan()[t];

@@ -17,7 +17,7 @@ using internal::total;
 
 namespace {
 
-// Stacks the subproblems' matrices by rows, each in its own columns.
+// Stacks the subproblems' matrices get(i) by rows; each matrix has the columns of its subproblem.
 template <class Get>
 void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
   Index row = 0;

@@ -44,7 +44,7 @@ void each_node(std::size_t threads, std::size_t count, Work&& work) {
 /// Calls work(t) on one thread if the last loop took less than kWorthAThread per thread, otherwise on `threads`.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
-  constexpr double kWorthAThread = 5e-5;  // s of work for each thread: more than it takes to wake one
+  constexpr double kWorthAThread = 5e-5;  // least work per thread [s]: more than the time to wake a thread
   using Clock = std::chrono::steady_clock;
   if (threads <= 1) return each_node(1, count, work);
   const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;

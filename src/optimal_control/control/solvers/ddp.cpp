@@ -198,7 +198,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
 // Computes a direction. Increases the regularisation until the backward pass succeeds.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
-    sound_ = true;  // unless backwardPass finds otherwise; an overridden computeDirection may not call it
+    sound_ = true;  // backwardPass sets false if it fails; an overridden computeDirection may not call backwardPass
     computeDirection(again);
   };
   for (compute(recalc); !sound_; compute(false)) {
@@ -208,7 +208,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Decreases the regularisation after long steps, increases it after short ones; returns false at the largest one.
+// Decreases the regularisation after long steps, and increases it after short steps; returns false at its maximum.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
@@ -325,7 +325,8 @@ void SolverDDP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
-// Calls work(direction, its share of `whole`) for each direction, and stores the shares back.
+// Calls work(direction, share) for each direction, with its share of the controls in `whole`, and copies the share
+// back.
 template <class Work>
 void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
   whole.resize(us_.size());

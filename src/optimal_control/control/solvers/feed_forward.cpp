@@ -1,4 +1,4 @@
-// Quasi-Newton steps of SolverDDP on its feed-forward terms.
+// SolverDDP::descend: quasi-Newton steps with respect to the feed-forward terms nu (control/ddp.hpp).
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +15,7 @@ constexpr double kArmijo = 1e-4;             // least accepted share of the redu
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
 constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, relative to a rejected step length
 constexpr int kTrials = 12;
-constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps below kShort, or one below kVeryShort, end descend
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps below kShort, or a step below kVeryShort, end descend
 
 }  // namespace
 

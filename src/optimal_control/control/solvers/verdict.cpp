@@ -33,7 +33,7 @@ struct Restore {
 
 // Decides by the KKT residual, because cost reductions below the cost's rounding error cannot be tested.
 StopReason SolverDDP::judgeWithoutStep() {
-  problem_->calc(xs_, us_);  // the data are those of the last trial step
+  problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   calcDiff();
   kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
@@ -44,7 +44,7 @@ bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
   preg_ = dreg_ = reg_min_ * scale_;
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
+  if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool stops =
       findDirection(true) &&
       expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
@@ -72,10 +72,10 @@ bool SolverDDP::isOptimalWithinLimits() {
 // improvement and value function do not include how far clamped controls move.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   const Restore restore{th_stop_, th_stop_};
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
+  if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  constexpr int kRounds = 20, kIdle = 3;  // rounds of one backward pass each; rounds in a row without gain
+  constexpr int kRounds = 20, kIdle = 3;  // most rounds (one backward pass each); most consecutive rounds without gain
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, its limit and time.
+// The largest torque of one joint, the joint's limit, and the time of this torque.
 struct Torque {
   std::string name;
   double u = 0, limit = 0, time = 0;

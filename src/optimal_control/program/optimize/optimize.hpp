@@ -39,7 +39,7 @@ void draw_charts(const OptimizedTask& motion, const std::string& folder);
 /// Records the states as frames of a view, with the torques and cones of the task.
 void record_motion(const OptimizedTask& motion, Recording& recording);
 
-/// The smallest friction coefficient of the contact's cones in this phase; infinite if there are none.
+/// Returns the smallest friction coefficient of the contact's cones in the phase; infinite without cones.
 double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);

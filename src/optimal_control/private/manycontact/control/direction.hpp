@@ -70,7 +70,7 @@ class Direction {
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T
   Eigen::VectorXd step_;       // ndx: workspace
-  bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
+  bool held_changed_ = false;  // the last gradient has other controls at limits than the gradient before it
 
  private:
   friend class SolverDDP;

@@ -27,7 +27,7 @@ void fit_controls(const ShootingProblem& problem, Lists&... lists) {
   for (std::size_t t = 0; t < problem.get_T(); ++t) (fit(lists[t], problem.model(t)->get_nu()), ...);
 }
 
-/// Moves controls that exceed the node's limits onto them.
+/// Clamps the controls u to the limits of the node.
 inline void keep_limits(const ActionModelAbstract& model, Eigen::VectorXd& u) {
   if (model.get_has_control_limits()) u = u.cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
 }

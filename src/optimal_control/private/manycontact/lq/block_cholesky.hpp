@@ -1,7 +1,7 @@
 #pragma once
 // Factorizes a sparse symmetric matrix of dense blocks, S = L D L^T. D is diagonal with entries +1 or -1, the given
 // sign of each diagonal block: the pivot block times its sign has a Cholesky factor. The factor exists in every order
-// of elimination if S is quasi-definite (Vanderbei 1995): the part of sign +1 positive, that of -1 negative definite.
+// of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for sign -1.
 
 #include <Eigen/Core>
 #include <utility>
@@ -45,7 +45,7 @@ class BlockCholesky {
   };
   struct Column {
     Eigen::MatrixXd diagonal;  // lower triangle
-    Eigen::MatrixXd panel;     // blocks below the diagonal, one under the other
+    Eigen::MatrixXd panel;     // all blocks below the diagonal, stacked by rows
     std::vector<Below> below;  // ascending
   };
   Eigen::Ref<Eigen::MatrixXd> block(int u, int v);  // u > v

@@ -6,7 +6,7 @@
 //   if (o.status == Status::kOk) o = solver.solve(problem, z);   reads q r f d x0; refines z, computes its KKT error
 //
 // factorize and solve allocate nothing (except temporaries of Eigen, for products of blocks beyond 128 KB). They throw
-// std::invalid_argument for a structure other than the analysed one.
+// std::invalid_argument if the structure differs from that of the analysed problem.
 
 #include <vector>
 
@@ -22,7 +22,7 @@ enum class Status {
   kInaccurate,  // solved, but the KKT error remains above kAccurate after refinement
 };
 
-struct Outcome {  // result of one solve
+struct Outcome {  // The result of a factorization or of a solve.
   Status status = Status::kOk;
   int knot = -1;         // number of the knot that failed, or -1
   double kkt_error = 0;  // KKT error of the returned z: largest relative error over the equations (kkt.hpp)

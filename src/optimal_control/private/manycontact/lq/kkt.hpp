@@ -13,7 +13,7 @@ void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 
-/// Returns the error of kkt_residual; allocates its own workspace.
+/// Returns the error that kkt_residual returns; allocates the workspace at each call.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
 /// The change of the cost without regularisation: cost(z) - cost(0) = linear + quadratic / 2, for the optimum z of the

@@ -14,7 +14,7 @@ struct Piece {
 
 struct Member {  // A group of a cluster.
   int group;
-  int x, nx;                // first index of its states in the cluster's x, and their number
+  int x, nx;                // first index of the group's states in the cluster's x, and number of these states
   std::vector<Piece> v;     // u, and w of the couplings within the cluster
   std::vector<Piece> rows;  // equations of the couplings within the cluster
 };
@@ -35,7 +35,7 @@ struct Cluster {
 };
 
 enum class Join {
-  kAll,          // one cluster: dense
+  kAll,          // one cluster of all blocks: a dense recursion
   kIslands,      // one cluster per set of blocks that groups and couplings join in the knot or later
   kNoCouplings,  // one cluster per set of blocks that groups join in any knot; couplings connect clusters
 };

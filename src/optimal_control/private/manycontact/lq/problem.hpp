@@ -53,7 +53,7 @@ struct Group {
 
 struct Coupling {
   int size = 0;  // size of w_b
-  int rows = 0;  // number of its equations
+  int rows = 0;  // number of equations of the coupling
 };
 
 struct Knot {
@@ -85,7 +85,7 @@ struct Layout {
   Layout() = default;
 };
 
-/// A point of the problem, or its gradients: a vector for each knot.
+/// A point of the problem, or the gradients there: for each knot a vector of each kind of variables and multipliers.
 struct Point {
   std::vector<Eigen::VectorXd> x;       // T + 1 vectors: the states of all blocks
   std::vector<Eigen::VectorXd> u;       // T + 1 vectors: the controls of all blocks; empty in the terminal knot

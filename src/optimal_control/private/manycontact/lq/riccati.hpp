@@ -43,7 +43,7 @@ class Riccati : public DirectionSolver {  // The Riccati recursion, dense or by 
 
   /// Returns P of the next knot, with states in the order of this knot's cluster (a copy if the orders differ).
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
-  /// Returns the symplectic structure of a cluster that is one group; nullptr if it has none.
+  /// Returns Group::steps of a cluster of a single group; nullptr for other clusters, and if steps is not set.
   const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;
 
  protected:

@@ -1,5 +1,5 @@
 #pragma once
-// Divides a coupled subproblem into blocks of ActionModelParts, if contacts between bodies are its only couplings.
+// Divides a coupled subproblem into blocks of ActionModelParts, if only contacts between bodies couple its robots.
 
 #include "manycontact/io/task_file.hpp"
 

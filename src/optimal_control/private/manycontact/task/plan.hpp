@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// A contact that closes between two phases, at the first node of the second, before its impact.
+/// A contact that closes between two phases: its error at the first node of the second phase, before the impact.
 struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
