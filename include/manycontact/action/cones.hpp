@@ -15,7 +15,7 @@ class FrictionCone {
  public:
   using MatrixX3s = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-  /// mu >= 0; nf even. inner_appr: the facets are inside the round cone rather than around it. Forces in N.
+  /// mu: coefficient of friction, >= 0. nf: even. inner_appr: the facets are inside the round cone. Forces in N.
   FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf = 4, bool inner_appr = true, double min_nforce = 0,
                double max_nforce = std::numeric_limits<double>::infinity());
   FrictionCone() : FrictionCone(Eigen::Matrix3d::Identity(), 0.7) {}
@@ -52,7 +52,7 @@ class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
-  /// box: length and width [m]; an infinite side gives no limit (its rows are zero).
+  /// box: length and width of the foot [m]. The rows of an infinite side are zero, without effect.
   WrenchCone(const Eigen::Matrix3d& R, double mu, const Eigen::Vector2d& box, std::size_t nf = 4,
              bool inner_appr = true, double min_nforce = 0,
              double max_nforce = std::numeric_limits<double>::infinity());

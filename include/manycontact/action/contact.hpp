@@ -118,7 +118,7 @@ enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
  public:
-  /// Requires the position along the axis rotation^T e_z to be xref [m]. nu: number of controls of the action.
+  /// Requires the position along the axis rotation^T e_z (in `type`) to be xref [m]. nu: number of controls.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
@@ -131,7 +131,7 @@ class ContactModel1D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
 
-  /// Sobec's constructor: a point xref [m] in the world, and one axis of the reference frame.
+  /// Sobec's constructor: fixes the point at xref [m] in the world, along one axis (mask) of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
@@ -216,7 +216,7 @@ class ContactModel5D final : public ContactModelAbstract {
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }                       // unit vector
 };
 
-/// Constrains a frame A to a frame B' = `to` times `offset`, on another body of any robot.
+/// Constrains a frame A to a frame B', which has the placement `offset` in the frame `to` of another body of any robot.
 class ContactModelBetweenBodies final : public ContactModelAbstract {
  public:
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.

@@ -70,7 +70,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg]. It replaces that of the robots' models, in new and existing data.
+  /// The armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
   void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
   double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
@@ -85,7 +85,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
-  /// The external wrenches that act in the solves [N, N m]; initially those of the state's scene.
+  /// The external wrenches that act in the solves [N, N m]; initially the wrenches of the state's scene.
   const std::vector<Vec6<double>>& get_wrenches() const { return wrenches_; }
   /// Sets the wrenches in new and existing data: one per wrench of the scene, or std::invalid_argument is thrown.
   void set_wrenches(const std::vector<Vec6<double>>& wrenches);
@@ -95,7 +95,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// The bounds of the active constraints, or those of set_g_lb, set_g_ub until the set of constraints changes.
+  /// The bounds of the active constraints. Bounds set by set_g_lb, set_g_ub apply until a constraint is switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }

@@ -16,7 +16,7 @@ class Multibody {  // The robots and frames of a scene.
     SE3<double> placement;
   };
 
-  /// The robots and gravity of a scene. Its contacts and damping are left out; see contacts_of_scene in contact.hpp.
+  /// Copies the robots and gravity of a scene, without contacts and damping (see contacts_of_scene in contact.hpp).
   explicit Multibody(const Scene& scene);
   /// One robot. base: placement of a fixed base.
   explicit Multibody(std::shared_ptr<const Model> model, const SE3<double>& base = {});

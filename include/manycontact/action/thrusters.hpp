@@ -11,11 +11,11 @@ enum ThrusterType { CW = 0, CCW };
 
 /// A propeller on the base.
 struct Thruster {
-  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
+  /// at: placement on the base. torque: torque per thrust [m]. min, max: bounds of the thrust [N].
   Thruster(const SE3<double>& at, double torque, ThrusterType turning = CW, double min = 0,
            double max = std::numeric_limits<double>::infinity())
       : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
-  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
+  /// torque: torque per thrust [m]. min, max: bounds of the thrust [N].
   explicit Thruster(double torque = 0, ThrusterType turning = CW, double min = 0,
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}

@@ -55,7 +55,7 @@ struct IntegratedActionDataRK : IntegratedActionDataAbstract {      // Data of I
   std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: set by calcDiff
   std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: set by calcDiff
 
-  // Workspace of calcDiff, of one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
+  // Workspace of calcDiff for one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
   Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;
   Eigen::VectorXd Lu_i;
 };

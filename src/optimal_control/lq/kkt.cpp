@@ -85,7 +85,7 @@ void set_zero(Point& z) {
     for (VectorXd& v : z.*part) v.setZero();
 }
 
-// Updates `worst` with max |r| / max scale of each block of equations.
+// Updates the largest relative error `worst` with max |r| / max scale of each block of equations.
 void judge(const VectorXd& r, const VectorXd& scale, const std::vector<int>& start, double& worst) {
   for (std::size_t b = 0; b + 1 < start.size() && start[b + 1] <= r.size(); ++b) {
     const int n = start[b + 1] - start[b];

@@ -58,7 +58,7 @@ struct Parts {
 /// Returns (q, v) of the scene's file.
 Eigen::VectorXd x0_of(const SceneFile& file);
 
-/// Add a term to the sums. Both throw std::invalid_argument if the term does not fit.
+/// Add the costs, or the constraints, of a term. Throw std::invalid_argument if the term does not fit the scene.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
 void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 

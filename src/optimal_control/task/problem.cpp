@@ -217,7 +217,7 @@ std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
   return out;
 }
 
-// Makes a node of all the parts; without controls at an impact.
+// Makes one node, ActionModelParts, of all parts. The node of an impact has no controls.
 std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::vector<ActionPart> parts) {
   std::size_t nu = 0;
   for (const ActionPart& part : parts) nu += part.u.size();

@@ -38,7 +38,7 @@ class ContactResidual : public FrameResidual {
   /// Why a contact of this type does not fit the residual; empty if it fits. By default only 6D contacts fit.
   virtual std::string misfit(ContactType type) const;
   virtual bool is_cone() const { return true; }  // whether the residual is that of a cone
-  /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
+  /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. B and b already have these sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   ConeAxes axes_ = ConeAxes::kContact;
   std::string contact_;
@@ -48,7 +48,7 @@ class ContactResidual : public FrameResidual {
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The contact force minus fref (nc). Only the components of fref that the contact has are used.
+/// The contact force minus fref (nc). Components of fref that the contact does not transmit are not used.
 class ResidualModelContactForce : public ResidualWithReference<ContactResidual, Vec6<double>> {
  public:
   /// nc: number of rows of the contact.

@@ -128,7 +128,7 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
   return parts;
 }
 
-// Copies results of standalone evaluation to the data given to shareMemory.
+// Copies a result of standalone evaluation to the memory that was given to shareMemory, if it is another memory.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;

@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// The residual of a user-defined cost without residual: the cost's calc may write r.
+// The residual of a user-defined cost that was constructed without one. Its calc does nothing: the cost may write r.
 class OwnResidual final : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::ResidualModelAbstract;

@@ -89,7 +89,7 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   return interrupted_;
 }
 
-// The nodes of the problem with half their squared violation as the only cost, and the solver that minimises it.
+// A problem of the same nodes whose only cost is half the squared violation |r|^2, and the solver that minimises |r|^2.
 struct AL::Restoration {
   std::vector<Augmented> augmented;
   std::shared_ptr<ShootingProblem> problem;

@@ -176,7 +176,7 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// G = [dtau/dx dtau/dw] - [b_q b_v 0] - (drag of joints), where b = ID(q, v, -w x v):
+// Derivatives F of accelerations. With b = ID(q, v, -w x v), G = [dtau/dx dtau/dw] - [b_q b_v 0] - (damping of joints):
 //     F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;

@@ -27,7 +27,7 @@ inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const
       whole(rows[i], cols[j]) = part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-/// Returns the sum of a size over the subproblems' models.
+/// Returns the sum of size(model) over the models of all subproblems.
 template <class Part, class Size>
 std::size_t total(const char* where, const std::vector<Part>& parts, Size size) {
   std::size_t sum = 0;

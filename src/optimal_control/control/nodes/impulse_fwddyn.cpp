@@ -253,7 +253,7 @@ bool Model_::checkData(const DataPtr& data) {
   return d && dynamics_->checkData(d->dynamics);
 }
 
-// Lays out the residuals' blocks again after impulses were switched, or a frame has changed.
+// Calls lay_out of costs and constraints again after impulses were switched, or a frame has changed.
 void Model_::lay_out(Data& d) const {
   bool fits = d.laid_out.size() == impulses_->get_impulses().size();
   std::size_t k = 0;

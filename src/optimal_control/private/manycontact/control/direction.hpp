@@ -29,7 +29,7 @@ class Direction {
   /// Returns the gains of node t. Each control is in one entry. Empty before a direction is computed.
   virtual std::vector<Gains> gains(std::size_t t) const = 0;
 
-  /// Gradients of the value function (T + 1), feed-forward terms (T): u = us - s k - ... for a step of length s.
+  /// Vx: gradients of the value function (T + 1). k: feed-forward terms (T), which a step of length s multiplies by -s.
   const Vectors& get_Vx() const { return Vx_; }
   const Vectors& get_k() const { return k_; }
 
@@ -65,7 +65,7 @@ class Direction {
   virtual void step_control(std::size_t t, double steplength) = 0;  // sets us_try[t] at xs_try[t]
 
   ShootingPart part_;
-  // The part's components of the solver's candidate and of the trial point.
+  // The subproblem's share of the solver's candidate, and of the trial step.
   Vectors xs_, us_, fs_, xs_try_, us_try_;
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T

@@ -40,7 +40,7 @@ class RiccatiStep {
   Matrix Qxv() { return {H_.data() + u_, nx_, nv_, Eigen::OuterStride<>(ld_)}; }
   Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
 
-  /// Computes qv = B^T t, qx = A^T t, with F as for the last multiply.
+  /// Computes qv = B^T t, qx = A^T t from F = [B A]; `steps` as in the last call of multiply.
   void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<Eigen::VectorXd> qv,
                        Eigen::Ref<Eigen::VectorXd> qx);
 

@@ -23,7 +23,7 @@ struct PlanLimit {  // A coordinate beyond a limit of the robot's file, at the n
   LimitPassed limit;
   std::size_t node = 0;
 };
-/// Returns the worst value of every coordinate and quantity, by robot: position, velocity, and effort.
+/// Returns exceeded limits of position, velocity and effort: for each coordinate the value furthest beyond the limit.
 std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                      const std::vector<Eigen::VectorXd>& us);
 
