@@ -37,7 +37,7 @@ class ActivationModelAbstract : public Printable {  // A cost as a function a(r)
   std::size_t nr_;
 };
 
-/// The common base of the activations of this library: their names, and checks of sizes.
+/// The common base of the activations of this library, with a name, and checks of the size of r.
 class NamedActivation : public ActivationModelAbstract {
  public:
   void calc(const DataPtr& data, const ConstVectorRef& r) override;
@@ -98,11 +98,11 @@ class ActivationModelQuadraticBarrier : public NamedActivation {
   void set_bounds(const ActivationBounds& bounds);                // throws std::invalid_argument for a wrong size
 
  protected:
-  /// name: that of the derived class.
+  /// name: name of the derived class.
   ActivationModelQuadraticBarrier(const char* name, const ActivationBounds& bounds)
       : NamedActivation(name, static_cast<std::size_t>(bounds.lb.size())), bounds_(bounds) {}
   ActivationBounds bounds_;
-  Eigen::VectorXd weights_;  // empty: all are 1
+  Eigen::VectorXd weights_;  // one weight per row; empty: all weights are 1
 
  private:
   double weight(Eigen::Index i) const { return weights_.size() == 0 ? 1 : weights_[i]; }
@@ -110,7 +110,7 @@ class ActivationModelQuadraticBarrier : public NamedActivation {
   void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
-/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (Its Hessian is w^2; in Crocoddyl 3.0 it is w.)
+/// The activation 1/2 |w min(r - lb, 0)|^2 + 1/2 |w max(r - ub, 0)|^2. (The Hessian is w^2; Crocoddyl 3.0 has w.)
 class ActivationModelWeightedQuadraticBarrier : public ActivationModelQuadraticBarrier {
  public:
   /// Throws std::invalid_argument unless there is one weight per row.
@@ -134,8 +134,8 @@ class ActivationModelSmooth1Norm : public NamedActivation {
 using ActivationModelSmoothNorm1 = ActivationModelSmooth1Norm;
 using ActivationModelSmoothAbs = ActivationModelSmooth1Norm;
 
-/// The activation sqrt(eps + |r|^2), eps > 0. The diagonal of its Hessian is the smallest eigenvalue of the true
-/// Hessian, eps / sqrt(eps + |r|^2)^3. (Crocoddyl 3.0 lacks eps there.)
+/// The activation sqrt(eps + |r|^2), eps > 0. Its Hessian is the identity times the smallest eigenvalue of the true
+/// Hessian, eps / sqrt(eps + |r|^2)^3. (Crocoddyl 3.0 omits the factor eps.)
 class ActivationModelSmooth2Norm : public NamedActivation {
  public:
   /// Throws std::invalid_argument unless eps is positive.
@@ -165,7 +165,7 @@ class ActivationWithAlpha : public NamedActivation {
 };
 
 /// The activation 1/2 (|r| - alpha)^2 if |r| < alpha, otherwise zero; alpha >= 0. Its Hessian is the diagonal of the
-/// true one, or that of Gauss-Newton, r_i^2 / |r|^2. At the kink r = 0 both derivatives are zero (Crocoddyl: NaN).
+/// true or of the Gauss-Newton Hessian, r_i^2 / |r|^2. At r = 0 gradient and Hessian are zero (Crocoddyl: NaN).
 class ActivationModel2NormBarrier : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument for a negative alpha.
@@ -179,7 +179,7 @@ class ActivationModel2NormBarrier : public ActivationWithAlpha {
   bool true_hessian_;
 };
 
-/// The activation 1 - exp(-|r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
+/// The activation 1 - exp(-|r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true Hessian.
 class ActivationModelQuadFlatExp : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument unless alpha is positive.
@@ -191,7 +191,7 @@ class ActivationModelQuadFlatExp : public ActivationWithAlpha {
   void differentiate(const ConstVectorRef& r, ActivationDataAbstract& data) const override;
 };
 
-/// The activation log(1 + |r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true one.
+/// The activation log(1 + |r|^2 / alpha), alpha > 0. Its Hessian is the diagonal of the true Hessian.
 class ActivationModelQuadFlatLog : public ActivationWithAlpha {
  public:
   /// Throws std::invalid_argument unless alpha is positive.

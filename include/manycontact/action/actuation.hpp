@@ -1,6 +1,6 @@
 #pragma once
 // Actuations tau(x, u), which convert controls to torques on the velocity coordinates. The interface is that of
-// Crocoddyl's ActuationModelAbstract. Matrices are sparse, so that the cost for many robots is not quadratic.
+// Crocoddyl's ActuationModelAbstract. Matrices are sparse, because dense matrices of many robots would be too large.
 
 #include <Eigen/SparseCore>
 
@@ -10,7 +10,7 @@ namespace manycontact {
 
 class ActuationModelAbstract;
 
-/// A sparse matrix that code written for Crocoddyl can read and write like a dense one.
+/// A sparse matrix that code written for Crocoddyl can read and write like a dense matrix.
 class ActuationMatrix : public Eigen::SparseMatrix<double> {
  public:
   using Base = Eigen::SparseMatrix<double>;
@@ -26,12 +26,12 @@ class ActuationMatrix : public Eigen::SparseMatrix<double> {
     return *this;
   }
   double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }    // creates the entry
-  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // the entry, or 0 if there is none
+  double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // entry (i, j); 0 if not stored
   /// Whether all entries are zero.
   bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
     return Eigen::MatrixXd(*this).isZero(precision);
   }
-  /// The dense difference.
+  /// Returns a - b as a dense matrix.
   friend Eigen::MatrixXd operator-(const ActuationMatrix& a, const ActuationMatrix& b) {
     return Eigen::MatrixXd(a) - Eigen::MatrixXd(b);
   }
@@ -62,14 +62,14 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   /// Computes data->dtau_dx and data->dtau_du.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
-  /// Computes data->u: the controls that give the torques tau (nv), as far as the actuation allows.
+  /// Computes data->u, the controls whose torques are nearest to tau (nv).
   virtual void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) = 0;
-  /// Computes data->Mtau in u = Mtau tau: by default the pseudoinverse of dtau_du, first computed at (x, u).
+  /// Computes data->Mtau in u = Mtau tau: by default the pseudoinverse of dtau_du, after calcDiff at (x, u).
   virtual void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
-  /// Returns the coordinate whose torque each control (nu) is; empty for actuations that do not select coordinates.
-  /// With a selection, derivatives are written in place without a product.
+  /// Returns for each control (nu) the velocity coordinate whose torque it is; empty for other kinds of actuations.
+  /// With a selection, derivatives by u are computed without a matrix product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls
@@ -109,7 +109,7 @@ class ActuationModelFull : public ActuationModelSelection {
   explicit ActuationModelFull(std::shared_ptr<StateAbstract> state);
 };
 
-/// Actuates the u of `solve`: all coordinates except floating bases and passive joints; all if no robot has any.
+/// Actuates all coordinates except those of floating bases and passive joints, like the torques u of `solve`.
 class ActuationModelFloatingBase : public ActuationModelSelection {
  public:
   /// Throws std::invalid_argument for a state of another kind.

@@ -1,7 +1,7 @@
 #pragma once
 // Linear inequalities lb <= A f <= ub for a contact force or wrench f: friction, and centre of pressure inside the
-// foot. Names, A and bounds are Crocoddyl's. R: the cone's axes (z: the normal), in the axes of f. Setters take effect
-// with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them and warns).
+// foot. Names, A and bounds are Crocoddyl's. The columns of R are the cone's axes (z: the normal) in the axes of f.
+// Setters take effect with update(). Numbers out of range throw std::invalid_argument (Crocoddyl replaces them).
 
 #include <iosfwd>
 #include <limits>
@@ -10,12 +10,12 @@
 
 namespace manycontact {
 
-/// A friction cone with nf facets, followed by the normal force: nf + 1 rows for f (3).
+/// A friction cone for a force f (3): nf rows of A for the facets, and a last row for the normal force.
 class FrictionCone {
  public:
   using MatrixX3s = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
-  /// mu >= 0; nf even. inner_appr: the facets are inside the round cone rather than around it. Forces in N.
+  /// mu: coefficient of friction, >= 0. nf: even. inner_appr: the facets are inside the round cone. Forces in N.
   FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf = 4, bool inner_appr = true, double min_nforce = 0,
                double max_nforce = std::numeric_limits<double>::infinity());
   FrictionCone() : FrictionCone(Eigen::Matrix3d::Identity(), 0.7) {}
@@ -47,12 +47,12 @@ class FrictionCone {
 };
 std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints the cone
 
-/// Friction cone, centre of pressure, yaw torque of a rectangular foot: nf + 13 rows for [force; moment] at its centre.
+/// Friction, centre of pressure and yaw torque of a rectangular foot: nf + 13 rows, f = [force; moment] at its centre.
 class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
-  /// box: length and width [m]; an infinite side gives no limit (its rows are zero).
+  /// box: length and width of the foot [m]. The rows of an infinite side are zero, without effect.
   WrenchCone(const Eigen::Matrix3d& R, double mu, const Eigen::Vector2d& box, std::size_t nf = 4,
              bool inner_appr = true, double min_nforce = 0,
              double max_nforce = std::numeric_limits<double>::infinity());
@@ -86,7 +86,7 @@ class WrenchCone {
 };
 std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints the cone
 
-/// The centre of pressure in the box: 4 rows for the wrench. Length bounds the moment about y, width that about x.
+/// The centre of pressure in a box: 4 rows, f = [force; moment]. Length bounds the moment about y, width about x.
 class CoPSupport {
  public:
   using Matrix46s = Eigen::Matrix<double, 4, 6>;

@@ -1,5 +1,5 @@
 #pragma once
-// Constraints on residuals, and stacks of them. Names and interface are Crocoddyl's.
+// Constraints on residuals, and stacks of constraints. Names and interface are Crocoddyl's.
 
 #include "manycontact/action/diff_action.hpp"
 #include "manycontact/action/residual.hpp"
@@ -20,14 +20,14 @@ struct ConstraintDataResidual {
 };
 using ConstraintDataAbstract = ConstraintDataResidual;
 
-/// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. For a
-/// constraint of your own, write a residual: stacks evaluate residuals, so that this class is final.
+/// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. This
+/// class is final: to write a constraint of your own, write a residual r.
 class ConstraintModelResidual final : public Printable {
  public:
   using DataPtr = std::shared_ptr<ConstraintDataResidual>;
 
-  /// The constraint also applies to terminal nodes, unless `T_act` is false or the residual needs controls,
-  /// accelerations or forces. Throws std::invalid_argument for bounds of a wrong size.
+  /// T_act: whether the constraint applies to terminal nodes, too. Residuals of controls, accelerations or forces never
+  /// apply to terminal nodes. Throws std::invalid_argument for bounds of a wrong size.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
   /// The constraint r = 0.
@@ -36,7 +36,7 @@ class ConstraintModelResidual final : public Printable {
       : ConstraintModelResidual(state, residual, Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0),
                                 Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0), T_act) {}
 
-  /// Standalone: compute data->g and data->h, and then their Jacobians.
+  /// Standalone: calc computes data->g and data->h, then calcDiff computes their Jacobians.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
@@ -50,12 +50,12 @@ class ConstraintModelResidual final : public Printable {
   std::size_t get_nu() const { return residual_->get_nu(); }                                // number of controls
   std::size_t get_ng() const { return inequalities_.size(); }  // number of inequality constraints
   std::size_t get_nh() const { return equalities_.size(); }    // number of equality constraints
-  bool get_T_constraint() const { return T_; }                 // whether it applies to terminal nodes
+  bool get_T_constraint() const { return T_; }                 // whether the constraint applies to terminal nodes
   const Eigen::VectorXd& get_lb() const { return lb_; }        // lower bounds (nr)
   const Eigen::VectorXd& get_ub() const { return ub_; }        // upper bounds
-  /// The components of r that are inequalities, and equalities; ascending.
+  /// The indices of the components of r that are inequalities, ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
-  const std::vector<int>& get_equalities() const { return equalities_; }  // indices of equalities
+  const std::vector<int>& get_equalities() const { return equalities_; }  // indices of the equalities in r
   void print(std::ostream& os) const override;                            // prints type and sizes
 
  private:
@@ -78,7 +78,7 @@ struct ConstraintItem {  // A constraint, its name, and whether it is active.
 
 /// The values of a stack of constraints.
 struct ConstraintDataManager {
-  /// Views of the data in `out`, or of those given to shareMemory. Jacobians are set only if `out` has dense ones.
+  /// Views of `out`, or of the data given to shareMemory. The Jacobians are set only if `out` has dense Jacobians.
   Eigen::Map<Eigen::VectorXd> g{nullptr, 0}, h{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Gx{nullptr, 0, 0}, Gu{nullptr, 0, 0}, Hx{nullptr, 0, 0}, Hu{nullptr, 0, 0};
   /// Makes g, ..., Hu views of an action's data, which must outlive this object.
@@ -103,7 +103,7 @@ struct ConstraintDataManager {
     data->Hx.conservativeResize(nh, ndx), data->Hu.conservativeResize(nh, nu);
     shareMemory(data);
   }
-  /// Resizes the stack's own data, for a running or a terminal node. Evaluation does this itself.
+  /// Resizes this object for a running or a terminal node. calc and calcDiff also do this.
   template <class Manager>
   void resize(Manager* model, bool running_node = true) {
     model->lay_out(*this, !running_node);
@@ -112,15 +112,15 @@ struct ConstraintDataManager {
   std::map<std::string, std::shared_ptr<ResidualDataAbstract>> constraints;
   std::vector<std::shared_ptr<ResidualModelAbstract>> of;  // the residual models that created the data
   DataCollector* shared = nullptr;
-  std::size_t version = 0, status = 0;  // the model's values when the blocks were set up
+  std::size_t version = 0, status = 0;  // version() and get_status() of the model when the blocks were set up
   bool terminal = false;
   DifferentialActionDataAbstract* out = nullptr;
-  std::unique_ptr<DifferentialActionDataAbstract> own;  // target of `out` if standalone
-  /// The rows of a residual's block that are rows of g, or of h.
+  std::unique_ptr<DifferentialActionDataAbstract> own;  // the data that `out` points to in standalone evaluation
+  /// The rows of one block of a residual's Jacobian that are rows of g, or of h.
   struct Part {
     std::size_t block = 0;             // number of the residual's block
-    std::vector<int> from, to;         // rows of the block, rows of g (of h)
-    std::size_t xplan = 0, uplan = 0;  // block numbers in the sparse matrices
+    std::vector<int> from, to;         // row `from[i]` of the block is row `to[i]` of g (of h)
+    std::size_t xplan = 0, uplan = 0;  // numbers of the block in the sparse matrices of x and of u
   };
   std::map<std::string, std::vector<Part>> g_parts, h_parts;
 };
@@ -139,28 +139,28 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name) { remove(name); }
   void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
-  bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether it is active
+  bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether the part is active
 
-  /// calc computes out->g, out->h, calcDiff their Jacobians (terminal without u), resized when the active set changes.
+  /// calc computes out->g, out->h, calcDiff their Jacobians; without u: of a terminal node. Switching resizes them.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
   std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared, DifferentialActionDataAbstract* out);
-  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // standalone
-  /// Sets up the residuals' blocks again after the islands changed, and resizes the vectors and matrices in out.
+  std::shared_ptr<ConstraintDataManager> createData(DataCollector* shared);  // creates data for standalone evaluation
+  /// Resizes the vectors and matrices in `out`, and updates the residuals' blocks if the contact islands changed.
   void lay_out(ConstraintDataManager& data, bool terminal) const;
 
   const ConstraintModelContainer& get_constraints() const { return parts_; }  // the constraints
   std::size_t get_ng() const { return ng_; }                                  // active inequality constraints
   std::size_t get_nh() const { return nh_; }                                  // active equality constraints
-  std::size_t get_ng_T() const { return ng_T_; }                              // inequality constraints, terminal node
-  std::size_t get_nh_T() const { return nh_T_; }                              // equality constraints in a terminal node
+  std::size_t get_ng_T() const { return ng_T_; }                              // rows of g in a terminal node
+  std::size_t get_nh_T() const { return nh_T_; }                              // rows of h in a terminal node
   const Eigen::VectorXd& get_lb() const { return lb_; }                       // lower bounds (ng)
-  const Eigen::VectorXd& get_ub() const { return ub_; }      // upper bounds
+  const Eigen::VectorXd& get_ub() const { return ub_; }                       // upper bounds
   const Eigen::VectorXd& get_lb_T() const { return lb_T_; }  // lower bounds of a terminal node's g (ng_T)
   const Eigen::VectorXd& get_ub_T() const { return ub_T_; }  // upper bounds of a terminal node's g
-  std::size_t get_status() const { return status_; }         // counts switches of constraints
+  std::size_t get_status() const { return status_; }         // number of changes of the set of active constraints
 
  private:
   void count() override;

@@ -1,7 +1,7 @@
 #pragma once
 // Contacts with Crocoddyl's names and constructors (also sobec's for 1D and 3D), contacts between two bodies, and
-// stacks of contacts. The action model evaluates the equations of detail/contact/rows.hpp. By default nu = nv.
-// Constructors throw std::invalid_argument for a frame that does not exist, or numbers that are not finite.
+// stacks of contacts. A contact constrains a frame A (number `id`) to a frame B' of the world or of another body
+// (detail/contact/rows.hpp). By default nu = nv controls. Constructors throw std::invalid_argument for wrong arguments.
 
 #include "manycontact/detail/action/named_parts.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -30,14 +30,14 @@ struct ContactForce : Eigen::VectorXd {
   Vec3<double> axis = Vec3<double>::UnitZ();
 };
 
-/// The values of one contact, computed by the action model, or standalone. The columns of Jc and da0_dx are those of
-/// the robots of A and B' (all of x if there is one robot). `v_columns` contains their indices in v; da0_dx has them
-/// twice, for q and for v. The columns of df_dx and df_du are those of the island: `f_x_columns`, `f_u_columns`.
+/// The values of one contact: Jacobian Jc, bias a0, force f, derivatives. `v_columns` are the indices in v of Jc's
+/// columns: the velocities of the robots of A and B'. The matrix da0_dx has these columns twice, for q and for v. The
+/// columns of df_dx and df_du are coordinates of the contact's island: `f_x_columns`, `f_u_columns`.
 struct ContactDataAbstract {
   Eigen::MatrixXd Jc;      // nc x v_columns: set by calc
   Eigen::VectorXd a0;      // nc: set by calc
   Eigen::MatrixXd da0_dx;  // nc x 2 v_columns: set by calcDiff; derivative of J a + a0 at constant accelerations
-  ContactForce f;          // nc: set by calc, or standalone by updateForce; zero if inactive
+  ContactForce f;          // nc: set by the action's calc, or standalone by updateForce; zero if inactive
   // Set by calcDiff if derivatives of forces are enabled: nc x f_x_columns, nc x f_u_columns.
   PanelView df_dx{nullptr, 0, 0, Eigen::OuterStride<>(0)};
   PanelView df_du{nullptr, 0, 0, Eigen::OuterStride<>(0)};
@@ -51,7 +51,7 @@ struct ContactDataAbstract {
 
   // Members for standalone evaluation.
   MultibodyData* pinocchio = nullptr;
-  SpatialForce fext;       // set by updateForce: on A's body, in the frame of its joint
+  SpatialForce fext;       // set by updateForce: force on A's body, in the frame of the body's joint
   Eigen::MatrixXd dv0_dq;  // nc x nv, of an impulse: set by calcDiff, d(J v)/dq at v
   Contact own_contact;
   std::vector<int> own_x_columns, own_u_columns;
@@ -64,16 +64,16 @@ struct ContactDataAbstract {
 /// Crocoddyl's base class of the data of contacts and impulses.
 using ForceDataAbstract = ContactDataAbstract;
 
-/// A contact. Only the classes below derive from it: the action model evaluates contacts itself, not by this class.
+/// A contact. Users cannot derive from this class, because action models do not call its calc and calcDiff.
 class ContactModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ContactDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, and a0 including J times the
-  /// accelerations; calcDiff computes da0_dx.
+  /// Standalone functions at the motion in `data->pinocchio`; x is ignored. calc computes Jc, and a0 plus Jc times the
+  /// accelerations. calcDiff computes da0_dx.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: set f (nc) and fext; df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw std::invalid_argument.
+  /// Standalone: set f (nc) and fext, or df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw std::invalid_argument.
   void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
   void setZeroForce(const DataPtr& data) const;
@@ -118,20 +118,20 @@ enum class Vector3MaskType { x = 0, y = 1, z = 2 };
 /// Constrains one component of a point's position, along an axis of the reference frame.
 class ContactModel1D final : public ContactModelAbstract {
  public:
-  /// The component along rotation^T e_z has the value xref [m]. nu: that of the action, by default the state's nv.
+  /// Requires the position along the axis rotation^T e_z (in `type`) to be xref [m]. nu: number of controls.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Matrix3d& rotation, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
-  /// The axis is z of the reference frame.
+  /// Uses the z axis of the reference frame, and nu = nv.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, ReferenceFrame type,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, type, Eigen::Matrix3d::Identity(), kDefaultNu, gains) {}
-  /// The axis is z of A's frame.
+  /// Uses the z axis of the frame A.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, double xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel1D(std::move(state), id, xref, LOCAL, Eigen::Matrix3d::Identity(), nu, gains) {}
 
-  /// Sobec's constructor: a point xref [m] in the world, and one axis of the reference frame.
+  /// Sobec's constructor: fixes the point at xref [m] in the world, along one axis (mask) of the reference frame.
   ContactModel1D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, std::size_t nu,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), Vector3MaskType mask = Vector3MaskType::z,
                  ReferenceFrame ref = ReferenceFrame::kLocal);
@@ -139,7 +139,7 @@ class ContactModel1D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
       : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
 
-  /// The reference, as a component along the axis or as the point xref in the world [m].
+  /// The reference: the component along the axis [m], or the point xref in the world [m].
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
   void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
   const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
@@ -150,7 +150,7 @@ class ContactModel1D final : public ContactModelAbstract {
   void set_axis(const Eigen::Vector3d& axis) { keep_axis("ContactModel1D::set_axis", axis); }
 };
 
-/// Constrains the x and z components of a point's position. xref: (x, z) in the world [m]; y = 0.
+/// Constrains the x and z components of a point's position. xref: the position (x, z) in the world [m].
 class ContactModel2D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action.
@@ -168,7 +168,7 @@ class ContactModel2D final : public ContactModelAbstract {
 /// Constrains a point's position. xref: in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
-  /// nu: number of controls of the action. Sobec's constructors have the reference frame last.
+  /// nu: number of controls of the action. In sobec's constructors the reference frame is the last argument.
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref, ReferenceFrame type,
@@ -188,7 +188,7 @@ class ContactModel3D final : public ContactModelAbstract {
 /// Constrains a frame's placement. pref: in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
-  /// nu: number of controls of the action. Without a reference frame the axes are those of A.
+  /// nu: number of controls of the action. The reference frame `type` is by default the frame A.
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
                  std::size_t nu, const Eigen::Vector2d& gains = Eigen::Vector2d::Zero());
   ContactModel6D(std::shared_ptr<StateMultibody> state, FrameIndex id, const SE3<double>& pref, ReferenceFrame type,
@@ -202,7 +202,7 @@ class ContactModel6D final : public ContactModelAbstract {
 };
 
 /// Constrains a frame except its rotation about one axis: a hinge whose pin is fixed in A and in the world. Crocoddyl
-/// has no such contact. pref: in the world; axis: in both frames.
+/// has no such contact. pref: placement in the world; axis: the pin, with the same components in A and in pref.
 class ContactModel5D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action.
@@ -216,7 +216,7 @@ class ContactModel5D final : public ContactModelAbstract {
   const Eigen::Vector3d& get_axis() const { return contact_.axis; }                       // unit vector
 };
 
-/// Constrains a frame A to a frame B' = `to` times `offset`, on another body of any robot.
+/// Constrains a frame A to a frame B', which has the placement `offset` in the frame `to` of another body of any robot.
 class ContactModelBetweenBodies final : public ContactModelAbstract {
  public:
   /// Throws std::invalid_argument for a frame that does not exist, or numbers that are not finite.
@@ -233,7 +233,7 @@ class ContactModelBetweenBodies final : public ContactModelAbstract {
   SE3<double> offset_;
 };
 
-/// A contact as in a scene file: any attachment, offsets included.
+/// A contact as a scene file describes it: between any two bodies, or a body and the world, with offsets from bodies.
 class ContactModelOfScene final : public ContactModelAbstract {
  public:
   ContactModelOfScene(std::shared_ptr<StateMultibody> state, const Contact& contact, std::size_t nu);  // nu: controls
@@ -248,12 +248,12 @@ struct ContactItem {  // A contact, its name, and whether it is active.
 struct ContactDataMultiple {  // The data of a stack's contacts, by name.
   std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
 
-  // Standalone: rows of the active contacts, in the order of names.
+  // Set in standalone evaluation: rows of the active contacts, in the order of names.
   Eigen::MatrixXd Jc, da0_dx;      // nc_total x nv, nc_total x ndx: set by calc, calcDiff
   Eigen::VectorXd a0;              // nc_total: set by calc
   Eigen::VectorXd dv;              // nv: set by updateAcceleration
   Eigen::MatrixXd ddv_dx;          // nv x ndx: set by updateAccelerationDiff
-  std::vector<SpatialForce> fext;  // one per joint of each robot: the sum of its contacts' forces, in its frame
+  std::vector<SpatialForce> fext;  // one per joint of each robot: sum of the contact forces on its body, in its frame
 };
 
 /// The contacts of an action model, by name. Their rows are stacked in the order of names.
@@ -272,7 +272,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// Standalone: evaluate the active contacts as ContactModelAbstract does, and stack the results.
+  /// Standalone: call calc or calcDiff of each active contact, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the forces (nc) and their derivatives (nc x ndx, nc x nu). Inactive contacts are set to zero.
@@ -291,7 +291,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   std::size_t nc_ = 0, nc_total_ = 0;
 };
 
-/// Makes a stack of all contacts of a scene, for example of a scene file, with their names.
+/// Makes a stack of all contacts of a scene (for example of a scene file), with the contacts' names.
 std::shared_ptr<ContactModelMultiple> contacts_of_scene(std::shared_ptr<StateMultibody> state, const Scene& scene,
                                                         std::size_t nu);
 

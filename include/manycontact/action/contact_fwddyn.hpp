@@ -1,8 +1,8 @@
 #pragma once
 // Contact forward dynamics with costs and constraints: the node of an optimal control problem.
 //
-//     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]
-//     [ J  -delta I] [ -f ] = [     -a0       ]        delta = JMinvJt_damping
+//     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]        M mass matrix, h bias torques, a accelerations, f contact forces
+//     [ J  -delta I] [ -f ] = [     -a0       ]        J contact Jacobian, a0 its bias, delta = JMinvJt_damping
 //
 // The interface is that of Crocoddyl's DifferentialActionModelContactFwdDynamics, and of sobec's. The equations are
 // solved by dynamics/solve.hpp and differentiated by dynamics/differentiate.hpp.
@@ -32,8 +32,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   using crocoContactModelMultiple = manycontact::ContactModelMultiple;  // sobec's name
   using StateMultibody = manycontact::StateMultibody;
 
-  /// enable_force: compute the derivatives of contact forces; they are also computed if a cost or a constraint needs
-  /// them. Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
+  /// enable_force: always compute the derivatives of contact forces, not only if a cost or a constraint needs them.
+  /// Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
   DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,
@@ -70,7 +70,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg]. It replaces that of the robots' models, in new and existing data.
+  /// The armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
   void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
   double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
@@ -79,13 +79,13 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }  // for data created afterwards
-  /// The initial state of motions (nx); empty: not specified, as initially. Constraint rows that are dependent there,
-  /// as in closed mechanisms with redundant rows, are treated as dependent in all solves of data created afterwards.
-  /// This remains so if integration errors have slightly opened the loop.
+  /// The initial state of motions (nx); empty, as initially: not specified. Some closed mechanisms have contact rows
+  /// that depend linearly on others in this state. All solves of data created afterwards treat these rows as dependent,
+  /// even if integration errors have slightly opened the mechanism's loop.
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
-  /// The external wrenches that act in the solves [N, N m]; initially those of the state's scene.
+  /// The external wrenches that act in the solves [N, N m]; initially the wrenches of the state's scene.
   const std::vector<Vec6<double>>& get_wrenches() const { return wrenches_; }
   /// Sets the wrenches in new and existing data: one per wrench of the scene, or std::invalid_argument is thrown.
   void set_wrenches(const std::vector<Vec6<double>>& wrenches);
@@ -95,7 +95,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// The bounds of the active constraints, or those of set_g_lb, set_g_ub until the set of constraints changes.
+  /// The bounds of the active constraints. Bounds set by set_g_lb, set_g_ub apply until a constraint is switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
@@ -109,7 +109,7 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   Data& refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const;
   bool needs_forces() const;
   void check_stage(const Data& data, internal::Stage stage) const;
-  // Identifies the model, unlike its address, which a later model may have. Copies share the parts and the identity.
+  // Identifies the model in its data. (The address of a deleted model may be reused.) Copies have the same identity.
   std::shared_ptr<const void> identity_ = std::make_shared<char>();
   std::shared_ptr<StateMultibody> multibody_;
   std::shared_ptr<ActuationModelAbstract> actuation_;
@@ -117,14 +117,14 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::shared_ptr<CostModelSum> costs_;
   std::shared_ptr<ConstraintModelManager> constraints_;
   Eigen::VectorXd armature_;
-  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with this armature
+  std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models_;  // the robots' models with armature_
   double damping_;
   bool enable_force_;
   Options options_;
   Eigen::VectorXd start_;
   std::vector<Vec6<double>> wrenches_;
   static constexpr std::size_t kNeverSet = static_cast<std::size_t>(-1);
-  /// Status of the constraints when set_g_lb, set_g_ub were called.
+  /// Value of ConstraintModelManager::get_status when set_g_lb, set_g_ub were called.
   std::size_t g_lb_status_ = kNeverSet, g_ub_status_ = kNeverSet;
 };
 
@@ -146,7 +146,7 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
   std::shared_ptr<const std::vector<std::shared_ptr<const Model>>> models;
   Eigen::VectorXd x, u;      // state and controls of the last calc
   std::vector<bool> status;  // whether each cost, then each constraint, was active at the last calc
-  bool laid_out = true;      // columns and blocks fit the islands
+  bool laid_out = true;      // whether the columns and blocks of derivatives fit the current contact islands
 };
 
 }  // namespace manycontact

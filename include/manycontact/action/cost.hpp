@@ -20,10 +20,10 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True for a user-defined class: the sum adds its Lx, Lu, Lxx, Lxu, Luu. Otherwise it reads the residual's blocks.
+  /// True for a user-defined cost: the sum adds Lx, Lu, Lxx, Lxu, Luu. Otherwise the sum reads the residual's blocks.
   const bool own;
-  /// Derivatives of this cost alone, without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In the
-  /// data of an action model they are empty, unless the class is user-defined; call whole_derivatives instead.
+  /// Derivatives of this cost without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In an action
+  /// model's data they are empty unless the cost's class is user-defined; call whole_derivatives instead.
   Eigen::VectorXd Lx, Lu;
   Eigen::MatrixXd Lxx, Lxu, Luu;
   /// Computes the derivatives after calcDiff, for inspection; allocates at each call.
@@ -31,9 +31,9 @@ struct CostDataAbstract {                                             // The val
 };
 using CostDataResidual = CostDataAbstract;
 
-/// A cost l(x, u), the base of all costs. A sum calls a user-defined class derived from it, or from CostModelResidual,
-/// as Crocoddyl does: calc sets data->cost, and calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are initially zero.
-/// Its Hessians are dense. A user-defined residual (residual.hpp), whose rows depend on few coordinates, costs less.
+/// A cost l(x, u), the base of all costs. Users may derive costs from this class, or from CostModelResidual. calc then
+/// sets data->cost, and calcDiff sets data->Lx, Lu, Lxx, Lxu and Luu, which are initially zero. These Hessians are
+/// dense. A user-defined residual (residual.hpp) whose rows depend on few coordinates takes less time.
 class CostModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<CostDataAbstract>;
@@ -44,16 +44,16 @@ class CostModelAbstract : public Printable {
   /// Uses the activation 1/2 |r|^2.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual)
       : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(residual ? residual->get_nr() : 0), residual) {}
-  /// Makes a cost without residual: calc may write data->residual->r (activation's nr, or none). nu: by default nv.
+  /// Makes a cost without residual; calc may write data->residual->r (the activation's nr rows). nu: by default nv.
   CostModelAbstract(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActivationModelAbstract> activation,
                     std::size_t nu = kDefaultNu);
   explicit CostModelAbstract(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu)
       : CostModelAbstract(state, std::make_shared<ActivationModelQuad>(0), nu) {}
 
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;  // computes data->cost
-  /// Computes the cost of a terminal node: by default that at u = 0.
+  /// Computes the cost of a terminal node: by default the cost at u = 0.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x) { calc(data, x, unone_); }
-  /// Computes the derivatives after calc. Throws std::logic_error unless a class overrides it.
+  /// Computes the derivatives after calc. The default throws std::logic_error.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
 
   /// Computes Lx and Lxx for a terminal node.
@@ -109,8 +109,8 @@ struct CostItem {  // A cost, its name, its weight, and whether it is active.
 
 struct CostDataSum {                    // The sum's value and derivatives.
   double cost = 0;                      // set by calc
-  CostDerivatives* derivatives = &own;  // set by calcDiff, if the sum belongs to an action model
-  /// Views of `*derivatives`, set by calcDiff; standalone, of `own` or of the data given to shareMemory.
+  CostDerivatives* derivatives = &own;  // where calcDiff writes: the action's data, or `own` in standalone evaluation
+  /// Views of `*derivatives`, or of the data given to shareMemory; set by calcDiff.
   Eigen::Map<Eigen::VectorXd> Lx{nullptr, 0}, Lu{nullptr, 0};
   Eigen::Map<Eigen::MatrixXd> Lxx{nullptr, 0, 0}, Lxu{nullptr, 0, 0}, Luu{nullptr, 0, 0};
   std::map<std::string, std::shared_ptr<CostDataAbstract>> costs;
@@ -150,14 +150,14 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   void changeCostStatus(const std::string& name, bool active);
   bool getCostStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// Compute data->cost and, with weights, data->derivatives of the active costs.
+  /// calc computes data->cost, the weighted sum of the active costs, and calcDiff its derivatives data->derivatives.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) { differentiate(data, x, nullptr); }
-  /// out: stores the derivatives, and must have the right sizes; null: the sum is evaluated standalone.
+  /// out: receives the derivatives, and must have the model's sizes; null: the sum is evaluated standalone.
   std::shared_ptr<CostDataSum> createData(DataCollector* shared, CostDerivatives* out = nullptr);
-  /// Sets up the residuals' blocks again after the islands changed, and the patterns of data->derivatives.
+  /// Updates the residuals' blocks and the patterns of data->derivatives after the contact islands changed.
   void lay_out(CostDataSum& data) const;
 
   const CostModelContainer& get_costs() const { return parts_; }  // the costs

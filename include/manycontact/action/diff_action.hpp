@@ -8,7 +8,7 @@ namespace manycontact {
 
 class DifferentialActionModelAbstract;
 
-/// The results of a node. Dense matrices are empty if disabled; the `_sparse` functions return their counterparts.
+/// The results of a node. Depending on the storage, dense or sparse matrices may be empty.
 struct DifferentialActionDataAbstract : CostDerivatives {
   DifferentialActionDataAbstract() = default;  // allocates nothing
   /// Allocates the data of the model.
@@ -23,18 +23,18 @@ struct DifferentialActionDataAbstract : CostDerivatives {
   Eigen::MatrixXd Gx, Gu;  // ng x ndx, ng x nu
   Eigen::MatrixXd Hx, Hu;  // nh x ndx, nh x nu
 
-  PanelView panel{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // [Fx Fu] by rows with kPanel: set by calcDiff(data, x, u)
+  PanelView panel{nullptr, 0, 0, Eigen::OuterStride<>(0)};  // row-major [Fx Fu] for storage kPanel: set by calcDiff
 
   BlockSparse Fx_blocks, Fu_blocks, Gx_blocks, Gu_blocks, Hx_blocks, Hu_blocks;
-  const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }    // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Fu_sparse() const { return Fu_blocks.matrix; }    // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Lxx_sparse() const { return Lxx_blocks.matrix; }  // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Lxu_sparse() const { return Lxu_blocks.matrix; }  // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Luu_sparse() const { return Luu_blocks.matrix; }  // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Gx_sparse() const { return Gx_blocks.matrix; }    // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Gu_sparse() const { return Gu_blocks.matrix; }    // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Hx_sparse() const { return Hx_blocks.matrix; }    // the sparse counterpart
-  const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }    // the sparse counterpart
+  const Eigen::SparseMatrix<double>& Fx_sparse() const { return Fx_blocks.matrix; }    // Fx as a sparse matrix
+  const Eigen::SparseMatrix<double>& Fu_sparse() const { return Fu_blocks.matrix; }    // Fu as a sparse matrix
+  const Eigen::SparseMatrix<double>& Lxx_sparse() const { return Lxx_blocks.matrix; }  // Lxx as a sparse matrix
+  const Eigen::SparseMatrix<double>& Lxu_sparse() const { return Lxu_blocks.matrix; }  // Lxu as a sparse matrix
+  const Eigen::SparseMatrix<double>& Luu_sparse() const { return Luu_blocks.matrix; }  // Luu as a sparse matrix
+  const Eigen::SparseMatrix<double>& Gx_sparse() const { return Gx_blocks.matrix; }    // Gx as a sparse matrix
+  const Eigen::SparseMatrix<double>& Gu_sparse() const { return Gu_blocks.matrix; }    // Gu as a sparse matrix
+  const Eigen::SparseMatrix<double>& Hx_sparse() const { return Hx_blocks.matrix; }    // Hx as a sparse matrix
+  const Eigen::SparseMatrix<double>& Hu_sparse() const { return Hu_blocks.matrix; }    // Hu as a sparse matrix
 };
 
 /// The sizes and bounds of a node, in continuous or in discrete time.
@@ -52,20 +52,20 @@ class NodeAbstract : public Printable {
   virtual std::size_t get_nr() const { return sized_by() ? sized_by()->get_nr() : nr_; }  // rows of the residual
   virtual std::size_t get_ng() const { return sized_by() ? sized_by()->get_ng() : ng_; }  // inequality constraints
   virtual std::size_t get_nh() const { return sized_by() ? sized_by()->get_nh() : nh_; }  // equality constraints
-  virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // in a terminal node
-  virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // in a terminal node
+  virtual std::size_t get_ng_T() const { return sized_by() ? sized_by()->get_ng_T() : ng_T_; }  // ng, terminal node
+  virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // nh, terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
 
-  /// Lower and upper bounds of g, and those in a terminal node.
+  /// Lower and upper bounds of g in a running node (ng); the functions with _T: in a terminal node (ng_T).
   virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
   virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
   virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }
   virtual const Eigen::VectorXd& get_g_ub_T() const { return sized_by() ? sized_by()->get_g_ub_T() : get_g_ub(); }
 
-  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; infinite: none
-  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; infinite: none
+  const Eigen::VectorXd& get_u_lb() const { return u_lb_; }            // lower limits of controls; may be infinite
+  const Eigen::VectorXd& get_u_ub() const { return u_ub_; }            // upper limits of controls; may be infinite
   bool get_has_control_limits() const { return has_control_limits_; }  // whether any limit of controls is finite
-  /// Throw std::invalid_argument for a wrong size: max(ng, ng_T), or nu.
+  /// Set bounds of g (max(ng, ng_T)) or limits of controls (nu). Wrong sizes throw std::invalid_argument.
   virtual void set_g_lb(const Eigen::VectorXd& g_lb);
   virtual void set_g_ub(const Eigen::VectorXd& g_ub);  // throws std::invalid_argument for a wrong size
   void set_u_lb(const Eigen::VectorXd& u_lb);          // throws std::invalid_argument for a wrong size
@@ -75,13 +75,13 @@ class NodeAbstract : public Printable {
   /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
-  /// Returns the wrapped node whose sizes and bounds of g this node has; null if there is none.
+  /// Returns the node that this node wraps, and whose sizes and bounds of g it returns; null if it wraps none.
   virtual const NodeAbstract* sized_by() const { return nullptr; }
   void update_has_control_limits();  // called after the bounds have changed
   /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
   void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
-  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // values at construction; stacks may change what getters return
+  std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // arguments of the constructor; overridden getters may differ
   std::shared_ptr<StateAbstract> state_;
   Eigen::VectorXd g_lb_, g_ub_, u_lb_, u_ub_, unone_;
   bool has_control_limits_ = false;
@@ -103,11 +103,11 @@ class NodeOf : public NodeAbstract {
   /// Computes the derivatives of a terminal node at the last calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x) { calcDiff(data, x, unone_); }
 
-  virtual DataPtr createData() = 0;                                        // one for each thread
-  virtual bool checkData(const DataPtr& data) { return data != nullptr; }  // whether the model made them
+  virtual DataPtr createData() = 0;                                        // creates data; each thread needs its own
+  virtual bool checkData(const DataPtr& data) { return data != nullptr; }  // whether this model created the data
 
-  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default it makes Gauss-Newton
-  /// steps on xout, in discrete time on xnext (-) x: at most maxiter, until one is shorter than tol.
+  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default at most maxiter
+  /// Gauss-Newton steps minimise xout, in discrete time xnext (-) x, until a step is shorter than tol.
   virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                            double tol = 1e-9) = 0;
   /// Returns the controls that quasiStatic computes.
@@ -122,8 +122,8 @@ class NodeOf : public NodeAbstract {
   using NodeAbstract::NodeAbstract;
 };
 
-/// A node of this library with data of class Data. Derived classes have one function for running and terminal nodes,
-/// whose u is null. Model is the derived class, with its name kName for messages; Base is a class of nodes.
+/// A node of this library with data of class Data. Derived classes implement evaluate and differentiate for running and
+/// for terminal nodes (u is null). Model: the derived class, with its name kName for messages. Base: a class of nodes.
 template <class Model, class Base, class Data>
 class NodeWithData : public Base {
  public:

@@ -1,15 +1,16 @@
 #pragma once
-// Impulses with Crocoddyl's names and constructors, and stacks of them. An impulse stops or reverses the velocity of a
-// frame. It has the rows J of a contact at rest; control/impulse_fwddyn.hpp solves the equations.
+// Impulses with Crocoddyl's names and constructors, and stacks of impulses. An impulse stops or reverses the velocity
+// of a frame. Its constraint rows J are those of a contact; control/impulse_fwddyn.hpp solves the equations.
 
 #include "manycontact/action/contact.hpp"
 
 namespace manycontact {
 
-/// The data of an impulse f on A [N s, N m s]: Jc, df_dx; a0 = 0; da0_dx is d(J w)/dq with constant w = v+ + e v.
+/// The data of an impulse f on A [N s, N m s]. The bias a0 is zero, and da0_dx is d(Jc w)/dq for constant w = v+ + e v.
+/// Here v, v+ are the velocities before and after the impact, and e is the coefficient of restitution.
 using ImpulseDataAbstract = ContactDataAbstract;
 
-/// The data of a stack of impulses. Members are set in standalone evaluation, as those of ContactDataMultiple.
+/// The data of a stack of impulses. The matrices and vectors are set in standalone evaluation only.
 struct ImpulseDataMultiple : ContactDataMultiple {
   std::map<std::string, std::shared_ptr<ImpulseDataAbstract>>& impulses = contacts;
   Eigen::MatrixXd dv0_dq;     // nc_total x nv: set by calcDiff
@@ -17,7 +18,7 @@ struct ImpulseDataMultiple : ContactDataMultiple {
   Eigen::MatrixXd dvnext_dx;  // nv x ndx: set by updateVelocityDiff
 };
 
-/// An impulse. As for contacts, only the classes below derive from it.
+/// An impulse. Users cannot derive from this class, because action models do not call its calc and calcDiff.
 class ImpulseModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
@@ -25,7 +26,7 @@ class ImpulseModelAbstract : public Printable {
   /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, calcDiff computes dv0_dq.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: set f = impulse (nc) and fext; set df_dx (nc x ndx).
+  /// Standalone: updateForce sets f = impulse (nc) and fext; updateForceDiff sets df_dx (nc x ndx).
   void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const { contact_->updateForce(data, impulse); }
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
   void setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
@@ -40,7 +41,7 @@ class ImpulseModelAbstract : public Printable {
   ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
   void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
   void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
-  /// The contact with the same rows.
+  /// The contact model that has the same constraint rows as this impulse.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
   void print(std::ostream& os) const override;  // prints type and sizes
 
@@ -86,7 +87,7 @@ class ImpulseModelBetweenBodies final : public ImpulseModelAbstract {
                                                         kDefaultNu, Eigen::Vector2d(Eigen::Vector2d::Zero()), axis)) {}
 };
 
-/// The rows of a contact as in a scene: any attachment, offsets included.
+/// An impulse with the rows of a contact of a scene: between any two bodies, or a body and the world, with offsets.
 class ImpulseModelOfScene final : public ImpulseModelAbstract {
  public:
   /// Throws std::invalid_argument for a missing body.
@@ -115,12 +116,12 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
-  bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether it is active
+  bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether the impulse is active
 
-  /// Standalone: evaluate the active impulses as ImpulseModelAbstract does, and stack the results.
+  /// Standalone: call calc or calcDiff of each active impulse, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive ones are set to zero.
+  /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive impulses are set to zero.
   void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const;
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
   void updateVelocity(const DataPtr& data, const Eigen::VectorXd& vnext) const;
@@ -130,7 +131,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses
   std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
   std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
-  /// The stack of contacts with the same rows.
+  /// The stack of contact models that have the same constraint rows as these impulses.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The rigid-body model of a state, as `pinocchio::Model` in Crocoddyl: a scene's robots and numbered frames.
+// The rigid-body model of a state: a scene's robots and numbered frames. It corresponds to Crocoddyl's pinocchio model.
 
 #include <memory>
 
@@ -9,14 +9,14 @@ namespace manycontact {
 
 class Multibody {  // The robots and frames of a scene.
  public:
-  /// A frame: robot, joint (-1: its fixed base) and placement on that joint's body.
+  /// A frame: robot, joint (-1: the robot's fixed base) and placement on the joint's body.
   struct BodyFrame {
     std::string name;  // "frame" if there is one robot, else "robot/frame"
     int robot = 0, joint = -1;
     SE3<double> placement;
   };
 
-  /// The robots and gravity of a scene. Its contacts and damping are left out; see contacts_of_scene in contact.hpp.
+  /// Copies the robots and gravity of a scene, without contacts and damping (see contacts_of_scene in contact.hpp).
   explicit Multibody(const Scene& scene);
   /// One robot. base: placement of a fixed base.
   explicit Multibody(std::shared_ptr<const Model> model, const SE3<double>& base = {});

@@ -1,6 +1,6 @@
 #pragma once
-// Action models whose derivatives are central differences of another model. They are meant for user-defined models, and
-// for tests. The step is absolute in x's tangent space, relative to max(1, |u_i|) in u.
+// Action models that compute the derivatives of another model by central differences. They are meant for user-defined
+// models and for tests. The step is absolute in x's tangent space, relative to max(1, |u_i|) in u.
 
 #include <cmath>
 #include <functional>
@@ -26,7 +26,7 @@ class Step {
   const char* where_;
 };
 
-/// The functions that are called before a standalone part is evaluated.
+/// A list of functions that are called before each standalone evaluation of a part (a cost, an actuation ...).
 class Reevaluation {
  public:
   using ReevaluationFunction = std::function<void(const Eigen::VectorXd& x, const Eigen::VectorXd& u)>;
@@ -61,7 +61,7 @@ struct NodeDataNumDiff : NodeData {
   template <class NodeNumDiff>
   explicit NodeDataNumDiff(const NodeNumDiff* model)
       : NodeData(model), data_0(model->get_model()->createData()), data_step(model->get_model()->createData()) {}
-  std::shared_ptr<NodeData> data_0, data_step;  // the model's data, at the point and at a displaced point
+  std::shared_ptr<NodeData> data_0, data_step;  // the model's data at x, u, and at the displaced x, u of a difference
   Eigen::MatrixXd Rx, Ru;                       // nr x ndx, nr x nu
 };
 
@@ -84,7 +84,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
   void print(std::ostream& os) const override;
 
  protected:
-  /// name: that of the class. next: the member that calc computes, xout or xnext. where: prefix of step messages.
+  /// name: name of the class. next: the member that calc computes, xout or xnext. where: prefix of messages of Step.
   NodeNumDiff(const char* name, std::shared_ptr<Node> model, bool with_gauss_approx, Eigen::VectorXd NodeData::*next,
               const char* where);
   using NumDiffOf<Node>::model_;
@@ -92,7 +92,7 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
  private:
   using Own = NodeDataNumDiff<NodeData>;
   const NodeAbstract* sized_by() const override { return model_.get(); }
-  /// Returns the acceleration in `moved`, or its next state minus (-) that in `at`.
+  /// Returns the acceleration in `moved`, or in discrete time the next state in `moved` (-) the next state in `at`.
   virtual Eigen::VectorXd coordinates(const NodeData& at, const NodeData& moved, bool terminal) const = 0;
   /// Returns the prefix of messages about data of another model.
   virtual std::string where(const char* function) const { return std::string(name_) + "::" + function; }

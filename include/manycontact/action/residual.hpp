@@ -1,7 +1,7 @@
 #pragma once
-// A residual r(x, u), the base of all residuals. The interface is that of Crocoddyl's ResidualModelAbstract, except
-// that action models store Jacobians as blocks of the rows and columns that are not zero. Whole matrices Rx, Ru exist
-// in standalone evaluation (detail/action/collector.hpp) and for user-defined residuals written for Crocoddyl.
+// A residual r(x, u), the base of all residuals. The interface is that of Crocoddyl's ResidualModelAbstract. Action
+// models store Jacobians as dense blocks of nonzero rows and columns. Whole matrices Rx, Ru exist in standalone
+// evaluation (detail/action/collector.hpp), and for user-defined residuals with Crocoddyl's constructors.
 
 #include "manycontact/detail/action/collector.hpp"
 
@@ -9,14 +9,14 @@ namespace manycontact {
 
 class ResidualModelAbstract;
 
-/// Rows of a residual and all coordinates they depend on. The blocks of a residual have disjoint rows.
+/// Rows of a residual, and all coordinates that these rows depend on. The blocks of a residual have disjoint rows.
 struct ResidualBlock {
   ResidualBlock(std::vector<int> rows, std::vector<int> xcols, std::vector<int> ucols);  // allocates Rx and Ru
   std::vector<int> rows;                                                                 // indices in nr
   std::vector<int> xcols;                                                                // indices in ndx
   std::vector<int> ucols;                                                                // indices in nu
   RowMajorMatrix Rx, Ru;                                                                 // rows x xcols, rows x ucols
-  bool constant = false;                                                                 // set by lay_out only
+  bool constant = false;                                                                 // Rx, Ru: set by lay_out only
 };
 
 struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
@@ -25,22 +25,22 @@ struct ResidualDataAbstract {  // The value r and its Jacobians as blocks.
 
   DataCollector* shared;
   Eigen::VectorXd r;                  // nr: set by calc
-  std::vector<ResidualBlock> blocks;  // set by calcDiff; their rows and columns by lay_out
+  std::vector<ResidualBlock> blocks;  // Jacobians: set by calcDiff; lay_out sets the indices of rows and columns
   /// The whole matrices, nr x ndx and nr x nu, set by calcDiff. Empty in the data of an action model.
   Eigen::MatrixXd Rx, Ru;
-  /// Assemble the whole matrices from the blocks, for inspection; they allocate at each call.
+  /// Assembles the whole Rx from the blocks, for inspection; allocates at each call.
   Eigen::MatrixXd whole_Rx() const;
-  Eigen::MatrixXd whole_Ru() const;  // assembles the whole matrix of controls
+  Eigen::MatrixXd whole_Ru() const;  // assembles the whole Ru from the blocks
 
  private:
   std::size_t ndx_, nu_;
 };
 
-/// The variables that a residual depends on. Others cost nothing.
+/// The variables that a residual depends on. Derivatives with respect to other variables are not computed.
 struct Dependence {
   bool q = false, v = false, u = false;
   bool acceleration = false;  // depends on xout, and therefore on all of q, v, u
-  bool forces = false;        // depends on contact forces, and therefore on all of q, v, u; needs their derivatives
+  bool forces = false;        // depends on contact forces and their derivatives, and therefore on all of q, v, u
 };
 
 class ResidualModelAbstract : public Printable {  // A function r(x, u).
@@ -66,24 +66,24 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Sets up data.blocks, by default one dense block: for createData, and when a switched contact changes the islands.
+  /// Sets up data.blocks, by default one dense block. Called by createData, and when the contact islands change.
   virtual void lay_out(ResidualDataAbstract& data) const;
-  /// False if the blocks must be set up again, for example because the frame has changed.
+  /// False if lay_out must set up the blocks again, for example because the residual's frame has changed.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
-  /// Copies the whole matrices to the blocks, for residuals with Crocoddyl's constructor, whose calcDiff writes them.
+  /// Copies the whole Rx, Ru to the blocks, for user-defined residuals whose calcDiff writes whole matrices.
   void take_whole(ResidualDataAbstract& data) const;
 
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }        // state given to the constructor
   std::size_t get_nr() const { return nr_; }                                        // number of rows of the residual
   std::size_t get_nu() const { return nu_; }                                        // number of controls
-  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }  // whether it depends on q
-  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether it depends on v
-  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether it depends on u
+  bool get_q_dependent() const { return on_.q || on_.acceleration || on_.forces; }  // whether r depends on q
+  bool get_v_dependent() const { return on_.v || on_.acceleration || on_.forces; }  // whether r depends on v
+  bool get_u_dependent() const { return on_.u || on_.acceleration || on_.forces; }  // whether r depends on u
   const Dependence& depends_on() const { return on_; }                              // the variables that r depends on
   void print(std::ostream& os) const override { os << "ResidualModel {nr=" << nr_ << "}"; }
 
  protected:
-  /// Computes Rx and Ru of data->blocks. Throws std::logic_error unless a residual overrides it, or calcDiff.
+  /// Computes Rx and Ru of data->blocks. The default throws std::logic_error: override this function, or calcDiff.
   virtual void differentiate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   /// Computes Rx for a terminal node.
   virtual void differentiate(const DataPtr& data, const ConstVectorRef& x);
@@ -94,10 +94,10 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
 
  private:
   friend struct ResidualDataAbstract;
-  bool whole_ = false;  // constructed by Crocoddyl's constructor
+  bool whole_ = false;  // calcDiff writes whole Rx, Ru: the residual was made by Crocoddyl's constructor
 };
 
-/// The common base of the residuals of this library: its name, and functions of the data.
+/// The common base of the residuals of this library, with a name. Derived classes compute r and the blocks of Rx, Ru.
 class NamedResidual : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::calc;
@@ -109,19 +109,19 @@ class NamedResidual : public ResidualModelAbstract {
   void print(std::ostream& os) const override { os << name_; }
 
  protected:
-  /// name: that of the class. nu: number of controls, or kDefaultNu.
+  /// name: name of the class. nu: number of controls, or kDefaultNu.
   NamedResidual(const char* name, std::shared_ptr<StateAbstract> state, std::size_t nr, std::size_t nu, Dependence on)
       : ResidualModelAbstract(std::move(state), nr, nu, on), name_(name) {}
   /// Computes data.r.
   virtual void evaluate(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
-  /// Computes Rx and Ru of the blocks, except those of constant ones.
+  /// Computes Rx and Ru of the blocks that are not constant.
   virtual void fill_blocks(ResidualDataAbstract&, const ConstVectorRef&, const ConstVectorRef&) const {}
   const char* name_;
 };
 
 namespace internal {
 
-/// Throws std::invalid_argument unless the new reference has the size, or the number of facets, of the old one.
+/// Throws std::invalid_argument unless `next` has the size, or the number of facets, of the present reference `now`.
 template <class Reference>
 void check_reference(const char* who, const Reference& now, const Reference& next) {
   if constexpr (std::is_same_v<Reference, Eigen::VectorXd>)
@@ -139,7 +139,7 @@ template <class Base, class Reference>
 class ResidualWithReference : public Base {
  public:
   const Reference& get_reference() const { return reference_; }  // the reference of the residual
-  /// Sets the reference. Throws std::invalid_argument for another size, or another number of facets of a cone.
+  /// Sets the reference. Throws std::invalid_argument if its size, or a cone's number of facets, changes.
   void set_reference(const Reference& reference) {
     internal::check_reference(this->name_, reference_, reference);
     reference_ = reference;

@@ -8,7 +8,7 @@ namespace manycontact {
 
 class SquashingModelAbstract;
 
-/// The controls u and their derivative.
+/// The controls u(s), and their derivative with respect to s.
 struct SquashingDataAbstract {
   explicit SquashingDataAbstract(const SquashingModelAbstract* model);  // allocates the data of the model
   virtual ~SquashingDataAbstract() = default;
@@ -31,8 +31,8 @@ class SquashingModelAbstract {  // A function u(s).
   std::size_t get_ns() const { return ns_; }                    // number of squashed controls
   const Eigen::VectorXd& get_s_lb() const { return s_lb_; }     // lower bounds of s
   const Eigen::VectorXd& get_s_ub() const { return s_ub_; }     // upper bounds of s
-  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // lower bounds of s, for a barrier
-  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // upper bounds of s, for a barrier
+  void set_s_lb(const Eigen::VectorXd& s_lb) { s_lb_ = s_lb; }  // sets lower bounds of s, for a user's barrier cost
+  void set_s_ub(const Eigen::VectorXd& s_ub) { s_ub_ = s_ub; }  // sets upper bounds of s, for a user's barrier cost
 
  protected:
   std::size_t ns_;
@@ -65,7 +65,7 @@ class ActuationSquashingModel : public ActuationModelAbstract {
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
-  /// Computes u = Mtau tau, with Mtau at the controls that the actuation alone would use.
+  /// Computes u = Mtau tau, with Mtau at the controls that actuation->commands returns.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
   void print(std::ostream& os) const override;

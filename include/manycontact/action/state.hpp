@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// Selects derivatives with respect to the first argument, the second, or both.
+/// Selects derivatives of a function with respect to its first argument, its second argument, or both arguments.
 enum Jcomponent { both = 0, first = 1, second = 2 };
 /// How a result is stored: set, added, or subtracted.
 enum AssignmentOp { setto, addto, rmfrom };
@@ -25,7 +25,7 @@ class StateAbstract {  // A manifold with differences and sums.
   /// Computes Jfirst = d diff/dx0, Jsecond = d diff/dx1 (ndx x ndx). Matrices that are not requested remain unchanged.
   virtual void Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                      Jcomponent firstsecond = both) const = 0;
-  /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx); sets, adds or subtracts them.
+  /// Computes Jfirst = d integrate/dx and Jsecond = d integrate/d(dx). op: sets, adds or subtracts the derivatives.
   virtual void Jintegrate(const ConstVectorRef& x, const ConstVectorRef& dx, MatrixRef Jfirst, MatrixRef Jsecond,
                           Jcomponent firstsecond = both, AssignmentOp op = setto) const = 0;
   /// Computes Jin (ndx rows) <- J Jin, with J the `first` or `second` derivative of Jintegrate.
@@ -41,10 +41,10 @@ class StateAbstract {  // A manifold with differences and sums.
   std::vector<Eigen::MatrixXd> Jintegrate_Js(const ConstVectorRef& x, const ConstVectorRef& dx,
                                              Jcomponent firstsecond = both) const;
 
-  std::size_t get_nx() const { return nx_; }             // numbers of a state
-  std::size_t get_ndx() const { return ndx_; }           // numbers of a tangent vector
-  std::size_t get_nq() const { return nq_; }             // numbers of a configuration
-  std::size_t get_nv() const { return nv_; }             // velocity coordinates
+  std::size_t get_nx() const { return nx_; }             // size of a state
+  std::size_t get_ndx() const { return ndx_; }           // size of a tangent vector
+  std::size_t get_nq() const { return nq_; }             // size of a configuration
+  std::size_t get_nv() const { return nv_; }             // number of velocity coordinates
   const Eigen::VectorXd& get_lb() const { return lb_; }  // lower bounds
   const Eigen::VectorXd& get_ub() const { return ub_; }  // upper bounds
   bool get_has_limits() const { return has_limits_; }    // whether any bound is finite
@@ -58,12 +58,12 @@ class StateAbstract {  // A manifold with differences and sums.
   bool has_limits_ = false;
 };
 
-/// Whether parts made for one of the states can be used with the other: they are the same, or have the same Multibody.
+/// Whether parts made for state a can be used with state b: a and b are one object, or have the same Multibody.
 bool same_space(const StateAbstract& a, const StateAbstract& b);
 
 class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scene.
  public:
-  /// The bounds are the URDF's joint and velocity limits, infinite if it has none.
+  /// The bounds are the joint and velocity limits of the robots' URDF files, infinite for joints without limits.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);
   /// The robots of a scene, or a single robot.
   explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}

@@ -6,16 +6,16 @@
 
 namespace manycontact {
 
-/// The direction of rotation of a propeller. CW gives a torque along the thrust, CCW one against it.
+/// The direction of rotation of a propeller. CW causes a torque along the thrust, CCW a torque against the thrust.
 enum ThrusterType { CW = 0, CCW };
 
 /// A propeller on the base.
 struct Thruster {
-  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
+  /// at: placement on the base. torque: torque per thrust [m]. min, max: bounds of the thrust [N].
   Thruster(const SE3<double>& at, double torque, ThrusterType turning = CW, double min = 0,
            double max = std::numeric_limits<double>::infinity())
       : pose(at), ctorque(torque), type(turning), min_thrust(min), max_thrust(max) {}
-  /// torque: per thrust [m]; min, max: bounds of the thrust [N].
+  /// torque: torque per thrust [m]. min, max: bounds of the thrust [N].
   explicit Thruster(double torque = 0, ThrusterType turning = CW, double min = 0,
                     double max = std::numeric_limits<double>::infinity())
       : Thruster(SE3<double>{}, torque, turning, min, max) {}
@@ -23,7 +23,7 @@ struct Thruster {
   SE3<double> pose;  // placement in the base's frame; the thrust is along its z axis
   double ctorque;    // torque about that axis per thrust [m]
   ThrusterType type;
-  double min_thrust, max_thrust;  // N: bounds of u, which an action model does not use by itself
+  double min_thrust, max_thrust;  // N: bounds of u; the user must set them as control limits of action models
 };
 std::ostream& operator<<(std::ostream& os, const Thruster& thruster);  // prints the thruster
 
@@ -35,7 +35,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
-  /// Computes the least-squares u of least norm.
+  /// Computes the controls u that minimise |W u - tau|, and among these the u of least norm.
   void commands(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& tau) override;
   void torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;
@@ -43,7 +43,7 @@ class ActuationModelFloatingBaseThrusters : public ActuationModelAbstract {
 
   const std::vector<Thruster>& get_thrusters() const { return thrusters_; }  // the propellers
   std::size_t get_nthrusters() const { return thrusters_.size(); }           // number of propellers
-  /// The number of thrusters must not change. Data adopt them at the next calc, calcDiff, commands or torqueTransform.
+  /// Replaces the thrusters; their number must not change. Existing data are updated at their next use.
   void set_thrusters(const std::vector<Thruster>& thrusters);
   const Eigen::MatrixXd& get_Wthrust() const { return W_; }  // nv x nu: tau = W u
   const Eigen::MatrixXd& get_S() const { return S_; }        // nv x nv: W times its pseudoinverse

@@ -3,8 +3,8 @@
 //
 //     x' = f(x, u),    cost l(x, u),    g_lb <= g(x, u) <= g_ub,    h(x, u) = 0,
 //
-// or a terminal node, where everything depends on x alone. The interface is that of Crocoddyl's ActionModelAbstract.
-// Derivatives are on the tangent space: Fx = d(f (-) f)/dx is ndx x ndx.
+// or a terminal node, where cost and constraints depend on x alone. The interface is that of Crocoddyl's
+// ActionModelAbstract. Derivatives are on the tangent space of states: Fx is ndx x ndx.
 
 #include "manycontact/action/diff_action.hpp"
 
@@ -17,7 +17,7 @@ struct WithoutMatrices {};
 /// The results of a node. Sizes are those of the model.
 struct ActionDataAbstract {
   explicit ActionDataAbstract(const ActionModelAbstract* model);  // allocates the data of the model
-  /// Leaves the derivatives empty, for data that store them elsewhere.
+  /// Leaves the derivatives' matrices empty, for classes of data that store derivatives in another form.
   ActionDataAbstract(const ActionModelAbstract* model, WithoutMatrices);
   virtual ~ActionDataAbstract() = default;
 
@@ -31,11 +31,11 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Gx, Gu;         // ng x ndx, ng x nu: set by calcDiff
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: set by calcDiff
 
-  /// False if the derivatives are stored in another form, and the matrices above are empty. This applies to
+  /// False if the matrices above are empty, because the derivatives are stored in another form. This applies to
   /// IntegratedActionModelEuler with storage kPanel, and to ActionModelParts with kSparse.
   virtual bool has_matrices() const { return true; }
-  /// Compute gx = Fx^T p and gu = Fu^T p for p with ndx entries, or copy Fx and Fu, as of the last calcDiff. Both throw
-  /// std::logic_error if only the subproblems' data contain derivatives.
+  /// pull_back computes gx = Fx^T p, gu = Fu^T p for p (ndx); dynamics copies Fx, Fu. Both use the last calcDiff, and
+  /// throw std::logic_error if only the subproblems' data contain derivatives.
   virtual void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const;
   virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 

@@ -5,31 +5,31 @@
 //     y <- y+,    rho <- 10 rho  if  m = max |y+ - y| / rho  decreased by less than a factor of 10,
 //
 // until violation and KKT residual are small (Andreani, Birgin, Martinez, Schuverdt, SIAM J. Optim. 18, 2007; Nocedal &
-// Wright 17.4). m is the violation, and for inactive inequalities the distance of y to zero. Since multipliers
-// converge, constraints are met up to rounding errors at a moderate penalty. A minimisation ends if its expected
-// reduction is below rho/2 (0.09 m)^2, with m of the previous one: the remaining error then moves constraints by about
-// 0.09 m. It also ends if ten iterations gained less than a hundredth of the constraints' contribution to the cost.
+// Wright 17.4). y+ are the multipliers that the minimum implies. m is the violation, for inactive inequalities |y|/rho.
+// The multipliers converge, so that constraints are met up to rounding errors at a moderate penalty. A minimisation
+// ends if its expected reduction is below rho/2 (0.09 m)^2, with m of the previous minimisation: the remaining error of
+// constraints is then about 0.09 m. A minimisation also ends if ten iterations reduce the augmented Lagrangian by less
+// than a hundredth of the constraints' contribution, and the violation by less than half.
 //
-// Gauss-Newton's Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. If this is large
-// (the Hessian is five times Gauss-Newton's for a hand at the end of its reach), steps overshoot, and minimisations
-// converge slowly or not at all. If `stop` decreased by less than a factor of ten in two iterations, and of three in
-// the last, SolverDDP::descend continues with an estimate of that curvature. If that fails too, the solver continues
-// until `stop` is ten times smaller.
+// The Gauss-Newton Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. Near the end of an
+// arm's reach the true Hessian is five times larger: steps overshoot, and minimisations converge slowly or not at all.
+// If `stop` decreased by less than a factor of ten in two iterations, and of three in the last iteration, the
+// quasi-Newton steps of SolverDDP::descend continue. If these steps fail too, Gauss-Newton steps continue.
 //
 // If the violation does not decrease although the constraints outweigh the cost, there are three possible causes: the
 // constraints are infeasible, the penalty is too small, or the minimisation is stuck. Therefore a separate problem
-// minimises only the violation: the same nodes with the cost 1/2 sum |c - P(c)|^2. If it finds a point that meets the
-// constraints, the method continues from there. Otherwise searches from some other motions, and at a stationary point
-// from nearby ones, try to find a smaller violation. If they find none at a stationary point, the solve ends there as
-// kInfeasible. (A nonconvex problem may have a smaller minimum elsewhere.)
+// minimises only the violation: nodes with the cost 1/2 sum |c - P(c)|^2, where P projects values c of constraints onto
+// their bounds. If its solution meets the constraints, the method continues from there. Otherwise searches start from
+// some other motions, and at a stationary point from motions near it. If none of these searches finds a smaller
+// violation than a stationary point has, the result is kInfeasible. (A smaller minimum may exist elsewhere.)
 //
 // Let r be the violations and C their Jacobian. A point is stationary if C^T r is below a millionth of |C| |r|, or if a
-// step of the linearised problem reduces |r|^2 by less than a millionth. With control limits kInfeasible is also given
-// if no search halved |r|, and controls at their limits would reduce |r|^2 by less than a tenth, to first order. If the
-// searches end elsewhere, the result is inconclusive: kNoStep, at the point with the smallest violation.
+// step of the linearised problem reduces |r|^2 by less than a millionth. With control limits there is another test for
+// kInfeasible: no search halved |r|, and controls at their limits would reduce |r|^2 by less than a tenth, to first
+// order. If the searches end at no stationary point, the result is kNoStep, at the point with the smallest violation.
 //
-// In each iteration's report, cost is the problem's, merit the augmented Lagrangian; gfeas and hfeas are violations
-// after the step. The solver cannot influence a constraint at node 0 on the fixed initial state x0 alone.
+// In callbacks, `cost` is the problem's cost, `merit` the augmented Lagrangian; gfeas, hfeas are the violations after
+// the step. A constraint at node 0 on the state alone cannot be influenced, because x0 is fixed.
 
 #include <array>
 #include <functional>
@@ -45,22 +45,22 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
  public:
   /// Creates the unconstrained solver for a given problem.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
-  /// Uses SolverBoxFDDP if a model has control limits, SolverSparse if nodes are ActionModelParts without dense
-  /// matrices, else SolverFDDP; or the solver of `make`. Throws std::invalid_argument for a null problem.
+  /// Uses SolverSparse if nodes are ActionModelParts without dense matrices; otherwise SolverBoxFDDP if a model has
+  /// control limits, else SolverFDDP. Throws std::invalid_argument for a null problem.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Uses the solver that `make` returns. problem: not null, or std::invalid_argument is thrown.
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
   ~SolverAugmentedLagrangian() override;
   SolverAugmentedLagrangian(const SolverAugmentedLagrangian&) = delete;
   SolverAugmentedLagrangian& operator=(const SolverAugmentedLagrangian&) = delete;
 
-  /// Starts from the current multipliers and penalty: those of the last solve, or as set. maxiter: number of iterations
-  /// of all minimisations and searches together. Returns true if converged: violation <= get_th_constraint(), KKT
-  /// residual <= get_th_kkt() and stopping value < get_th_stop().
+  /// Starts from the current multipliers and penalty: values of the last solve, or values that were set since. maxiter:
+  /// number of iterations of all minimisations and searches together. Returns true if converged: violation <=
+  /// get_th_constraint(), KKT residual <= get_th_kkt(), and stopping value < get_th_stop() or no step accepted.
   bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
              std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
-  /// These functions are those of the unconstrained solver, on the augmented Lagrangian. They are final, since they
-  /// would not be called: derive from the unconstrained solver instead (MakeSolver).
+  /// Call the functions of the unconstrained solver. `solve` does not call these four functions; therefore they are
+  /// final. To change them, derive from the unconstrained solver (MakeSolver).
   void computeDirection(bool recalc = true) final { inner_->computeDirection(recalc); }
   double tryStep(double steplength = 1) final { return inner_->tryStep(steplength); }
   double stoppingCriteria() final { return stop_ = inner_->stoppingCriteria(); }
@@ -71,10 +71,10 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
   void set_multipliers(const Vectors& multipliers);
-  /// The multipliers of the dynamics, as in kkt_residual, after a solve.
+  /// The multipliers of the dynamics after a solve (T + 1 vectors of ndx), as the function kkt_residual takes them.
   const Vectors& get_dynamics_multipliers() const { return inner_->get_Vx(); }
   void reset();  // resets the multipliers to zero and the penalty to its initial value
-  /// Calls the problem's circularAppend. Multipliers move with their nodes; those of the new node are zero.
+  /// Calls the problem's circularAppend. Multipliers move with their nodes; the new node has zero multipliers.
   void circularAppend(std::shared_ptr<ActionModelAbstract> model);
   void circularAppend(std::shared_ptr<ActionModelAbstract> model, std::shared_ptr<ActionDataAbstract> data);
 
@@ -95,11 +95,11 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// multiplied by it, and th_kkt by get_kkt_scale(). With set_measures_scale(true) a solve measures both at its guess.
   double get_scale() const { return scale_; }
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
-  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see get_measures_scale
+  void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see SolverDDP
 
   /// Throw std::invalid_argument for numbers out of range.
   void set_penalty(double penalty);        // above 0
-  void set_penalty_init(double penalty);   // above 0; of new solvers, and after reset()
+  void set_penalty_init(double penalty);   // above 0; also sets the current penalty; reset() restores it
   void set_penalty_factor(double factor);  // above 1
   void set_penalty_max(double penalty);    // above 0
   void set_th_constraint(double x) { internal::kTolerance.set(th_constraint_, x, "SolverAugmentedLagrangian"); }
@@ -108,7 +108,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
  private:
   class Relay;  // callback of the unconstrained solver
   class Watch;  // callback of the minimisation of the violation
-  /// A node with constraints, or such a subproblem of ActionModelParts, within the augmented Lagrangian.
+  /// The augmented Lagrangian of a node with constraints, or of a subproblem with constraints in ActionModelParts.
   struct Augmented {
     std::shared_ptr<ActionModelAugmentedLagrangian> model;
     std::shared_ptr<ActionDataAugmentedLagrangian> data;
@@ -119,8 +119,8 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
     std::shared_ptr<ActionDataAbstract> data;
   };
   struct Node {
-    Copy own, copy;                    // model and data of the problem, and their replacement
-    std::vector<Augmented> augmented;  // empty without constraints: the problem's own node
+    Copy own, copy;                    // the problem's node, and the node of the augmented Lagrangian
+    std::vector<Augmented> augmented;  // empty if the node has no constraints; `copy` is then the problem's node
     Eigen::Index rows = 0;             // number of rows of the problem's [g; h]
   };
   Copy augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
@@ -175,15 +175,15 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double th_constraint_ = 1e-8, th_kkt_ = 1e-7;
   double tolerance_ = 0;  // stopping tolerance of the current minimisation
   double violation_ = 0, kkt_ = 0;
-  double measure_ = 0, last_measure_ = 0;  // m of the last minimisation, and of the one before
+  double measure_ = 0, last_measure_ = 0;  // m of the last minimisation, and of the minimisation before it
   double last_violation_ = 0, best_kkt_ = 0;
   double window_merit_ = 0, window_violation_ = 0;
-  int window_ = 0;                        // iterations of the minimisation
-  bool crawls_ = false;                   // the minimisation was ended because it converges slowly
+  int window_ = 0;                        // number of iterations of the current minimisation
+  bool crawls_ = false;                   // the minimisation was ended because its reductions became too small
   std::array<double, 2> last_stops_{};    // `stop` of the previous two iterations
-  double failed_stop_ = 0;                // `stop` at which quasi-Newton steps failed, in this minimisation
-  bool slow_ = false;                     // the solver was ended because it converges slowly
-  bool curved_ = false;                   // quasi-Newton steps are useful
+  double failed_stop_ = 0;                // `stop` when quasi-Newton steps failed in this minimisation, else infinite
+  bool slow_ = false;                     // isSlow() ended the Gauss-Newton steps, to try quasi-Newton steps
+  bool curved_ = false;                   // quasi-Newton steps replace Gauss-Newton steps
   StopReason ended_ = StopReason::kNone;  // why the minimisation ended
   bool moved_ = false;                    // the minimisation accepted a step
   int stuck_ = 0;                         // consecutive minimisations without progress

@@ -9,8 +9,8 @@
 
 namespace manycontact {
 
-struct BoxQPSolution {      // The minimum x, and the components at a bound.
-  Eigen::MatrixXd Hff_inv;  // inverse of H's rows and columns of the free components
+struct BoxQPSolution {      // The minimum x, the free components, and the components clamped to a bound.
+  Eigen::MatrixXd Hff_inv;  // inverse of Hff, the rows and columns of H of the free components
   Eigen::VectorXd x;
   std::vector<std::size_t> free_idx, clamped_idx;
 };
@@ -21,15 +21,15 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   explicit BoxQP(std::size_t nx, std::size_t maxiter = 100, double th_acceptstep = 0.1, double th_grad = 1e-9,
                  double reg = 1e-9);
 
-  /// Solves the problem from xinit. If H is not positive definite on the free components, is_sound() is false, and x is
-  /// unusable. The reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
+  /// Solves the problem from xinit. If Hff is not positive definite, is_sound() is false, and x is unusable. The
+  /// returned reference remains valid until the next call. Throws std::invalid_argument for wrong sizes.
   const BoxQPSolution& solve(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                              const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
   /// Solves the problem without Hff_inv, and without allocating; returns false if it fails.
   [[nodiscard]] bool minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                               const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
   bool is_sound() const { return sound_; }
-  /// Sets inverse (nx x nx) to that of H on the free components, and zero elsewhere. Call it after solve or minimise.
+  /// Sets rows and columns of free components in `inverse` (nx x nx) to Hff^-1, the others to 0. Call after a solve.
   void free_inverse(Eigen::MatrixXd& inverse);
   const BoxQPSolution& get_solution() const { return solution_; }
 

@@ -36,10 +36,10 @@ class CallbackLogger : public CallbackAbstract {
   void operator()(SolverAbstract& solver) override;
 
   std::vector<Eigen::VectorXd> xs, us;           // candidate of the last iteration
-  std::vector<std::vector<Eigen::VectorXd>> fs;  // gaps before each iteration
+  std::vector<std::vector<Eigen::VectorXd>> fs;  // gaps of the candidate before each iteration
   std::vector<std::size_t> iters;
   std::vector<double> costs, stops, grads, pregs, dregs, steps, ffeass, gfeass, hfeass;
-  std::vector<bool> feasible;  // after each iteration
+  std::vector<bool> feasible;  // whether the candidate has no gaps after each iteration
 };
 
 }  // namespace manycontact

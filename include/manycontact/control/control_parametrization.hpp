@@ -16,7 +16,7 @@ enum RKType { two = 2, three = 3, four = 4 };
 
 class ControlParametrizationModelAbstract;
 
-/// Controls at one time, and their derivative.
+/// The controls w at one time t, and their derivative with respect to the parameters u.
 struct ControlParametrizationDataAbstract {
   /// Allocates the data of the model.
   explicit ControlParametrizationDataAbstract(const ControlParametrizationModelAbstract* model);
@@ -43,10 +43,10 @@ class ControlParametrizationModelAbstract {
   virtual bool checkData(const Data& data) { return data != nullptr; }
   /// Computes data->u for the constant control w (nw).
   virtual void params(const Data& data, double t, const ConstVectorRef& w) const = 0;
-  /// Computes bounds of u that keep w within its own bounds (for PolyTwoRK at the nodes only).
+  /// Computes bounds of u that keep w within its bounds; for PolyTwoRK only at the times of the polynomial's nodes.
   virtual void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
                              VectorRef u_ub) const = 0;
-  /// Computes out = A dw_du, or out = dw_du^T A, at the t of the last calc; sets, adds or subtracts it.
+  /// Compute A dw_du, or dw_du^T A, at the t of the last calc. op: the product is set, added or subtracted in `out`.
   virtual void multiplyByJacobian(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
                                   AssignmentOp op = setto) const = 0;
   virtual void multiplyJacobianTransposeBy(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A, MatrixRef out,
@@ -100,7 +100,7 @@ class ControlParametrizationModelPolyZero : public ControlParametrizationModelPo
   std::array<double, 3> coefficients(double) const override { return {1, 0, 0}; }
 };
 
-/// Linear controls: u_0 at t = 0, u_1 at t = 1/2.
+/// Linear controls: w = u_0 at t = 0, w = u_1 at t = 1/2.
 class ControlParametrizationModelPolyOne : public ControlParametrizationModelPoly {
  public:
   /// nw: number of controls.
@@ -110,7 +110,7 @@ class ControlParametrizationModelPolyOne : public ControlParametrizationModelPol
   std::array<double, 3> coefficients(double t) const override { return {1 - 2 * t, 2 * t, 0}; }
 };
 
-/// Quadratic controls through stage times 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four); `two` throws std::invalid_argument.
+/// Quadratic controls: w = u_k at times 0, 1/3, 2/3 (three) or 0, 1/2, 1 (four). `two` throws std::invalid_argument.
 class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelPoly {
  public:
   ControlParametrizationModelPolyTwoRK(std::size_t nw, RKType rktype);  // nw: number of controls

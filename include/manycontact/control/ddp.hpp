@@ -1,14 +1,14 @@
 #pragma once
-// Differential dynamic programming. The backward pass solves the linear-quadratic problem around the candidate. From
-// V_T = l_T, for t = T - 1 ... 0, with V' that of t + 1 and rho the regularisation of Vxx and Quu,
+// Differential dynamic programming. The backward pass solves the linear-quadratic problem around the candidate xs, us
+// with gaps fs. V' is the value function V of node t + 1, rho the regularisation. From V_T = l_T, for t = T - 1 ... 0:
 //
 //     Qx  = lx  + fx^T Vx'        Qu  = lu  + fu^T Vx'
 //     Qxx = lxx + fx^T Vxx' fx    Qxu = lxu + fx^T Vxx' fu    Quu = luu + fu^T Vxx' fu + rho I
 //     k = Quu^-1 Qu,  K = Quu^-1 Qxu^T
 //     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t if the candidate has gaps)
 //
-// The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0, which closes all gaps. Interface,
-// algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa, Mansard, Todorov, ICRA 2014; Mastalli et al., ICRA 2020).
+// The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0; the simulated motion has no gaps.
+// Interface, algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa et al., ICRA 2014; Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/solver.hpp"
 #include "manycontact/detail/control/limited_bfgs.hpp"
@@ -33,70 +33,70 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
              std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
   void computeDirection(bool recalc = true) override;
   double tryStep(double steplength = 1) override;
-  /// Returns the expected reduction by a full step, |d0 + d1 / 2|. A larger regularisation makes it smaller; a solve
-  /// has converged only if it is also small at the least regularisation.
+  /// Returns the expected reduction by a full step, |d0 + d1 / 2|. A larger regularisation makes this value smaller, so
+  /// that a solve has converged only if the value is also small at the least regularisation.
   double stoppingCriteria() override;
   const Eigen::Vector2d& expectedImprovement() override;
   void resizeData() override;
 
-  /// Computes the derivatives of all nodes at the candidate, and its infeasibilities; returns the cost.
+  /// Computes the derivatives of all nodes at the candidate, and the candidate's infeasibilities; returns the cost.
   virtual double calcDiff();
   /// Computes the search direction. If it fails, direction_is_sound() is false, and the direction is unusable.
   virtual void backwardPass();
   bool direction_is_sound() const { return sound_; }
   /// Computes xs_try, us_try and cost_try for a step length in [0, 1]. cost_try is NaN if numbers are not finite.
   virtual void forwardPass(double steplength);
-  /// Computes the action value function of node t, as the backward pass does; with SolverSparse that of every
-  /// subproblem. These three functions are for inspection: backwardPass does not call them, so that they are final.
+  /// Computes Qx, Qu, Qxx, Qxu, Quu of node t, in SolverSparse for each subproblem. This function, computeGains and
+  /// computeValueFunction are for inspection: the backward pass does not call them. Therefore they are final.
   virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                           const std::shared_ptr<ActionDataAbstract>& data) final;
-  /// Throw std::invalid_argument unless computeActionValueFunction was last called for the node t.
+  /// Compute Vx, Vxx, or k, K of node t; std::invalid_argument unless computeActionValueFunction was last called for t.
   virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) final;
   virtual void computeGains(std::size_t t) final;
   virtual void increaseRegularization();
   virtual void decreaseRegularization();
   virtual void allocateData();
-  /// Continues from the candidate, which has no gaps, with quasi-Newton steps on the feed-forward terms, until `stop`,
-  /// the gain that Gauss-Newton expects, is below th_stop. It is meant for problems with curvature that Gauss-Newton
-  /// neglects: that of nonlinear constraints and dynamics, weighted by their multipliers. If the Hessian is more than
-  /// twice Gauss-Newton's, full steps diverge, and shorter ones converge slowly. In
+  /// Takes quasi-Newton steps in the feed-forward terms nu, from a candidate without gaps. They end when `stop`, the
+  /// reduction of the cost that the Gauss-Newton model predicts, is below th_stop. The steps suit problems whose
+  /// constraints and dynamics have a curvature that Gauss-Newton neglects. If the Hessian is more than twice that of
+  /// Gauss-Newton, full Gauss-Newton steps diverge, and shorter ones converge slowly. The controls are
   ///
-  ///     u = us + nu - K (x (-) xs),    K and Quu of one backward pass,
+  ///     u = us + nu - K (x (-) xs),    K and Quu of one backward pass.
   ///
-  /// Gauss-Newton's Hessian with respect to nu is diag(Quu) (complete the squares of the backward pass), from which
-  /// L-BFGS starts (detail/control/limited_bfgs.hpp). The gradient is exact, with p_T = lx_T,
+  /// L-BFGS (detail/control/limited_bfgs.hpp) starts from the Gauss-Newton Hessian with respect to nu, diag(Quu). The
+  /// gradient g is exact. The costates are p and p' (of node t + 1), with p_T = lx_T:
   ///
   ///     g = lu + fu^T p',    p = lx + fx^T p' - K^T g.
   ///
-  /// Steps satisfy Armijo's condition; if they gain less than the rounding error of the cost, the slope condition of
-  /// Hager and Zhang (SIAM J. Optim. 16, 2005, (4.1)). Callbacks are called after each step, as in solve. The result is
-  /// also kNoStep if steps remain short: the candidate is then too far from the solution for one backward pass.
+  /// Steps satisfy Armijo's condition. Steps that gain less than the rounding error of the cost satisfy the slope
+  /// condition of Hager and Zhang (SIAM J. Optim. 16, 2005, (4.1)). Callbacks are called after each step. The result is
+  /// kNoStep also if steps remain short: the candidate is then too far from the solution for one backward pass.
   StopReason descend(std::size_t maxiter);
-  void allocateDescent();  // allocates the memory of `descend`, which otherwise allocates it at its first call
-  /// Whether a solve checks its own result: with control limits as in box_solvers.hpp, else by the stopping value at
-  /// the least regularisation. False if another solver does so.
+  void allocateDescent();  // allocates the memory of `descend` before its first call
+  /// Sets whether a solve checks its result: with control limits as in box_solvers.hpp, otherwise by the stopping value
+  /// at the least regularisation. False if an outer solver checks the result.
   void set_judges(bool judges) { judges_ = judges; }
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
-  /// Whether the last solve with limits found no step from a candidate with gaps, and continued from a simulation of
-  /// the guess's controls. (Crocoddyl ignores limits until gaps are closed, which tight limits may prevent.)
+  /// Whether the last solve with limits accepted no step from a candidate with gaps, and therefore continued from a
+  /// simulation of the guess's controls. (Crocoddyl ignores limits until the gaps are closed.)
   bool has_rolled_out() const { return rolled_out_; }
   /// The expected reduction of the cost by a full step along the direction, for a candidate without gaps.
   double expectedReduction() const;
-  /// The search directions: one for the whole problem, with SolverSparse one per subproblem.
+  /// The search directions: one for the whole problem, or one per subproblem in SolverSparse.
   const std::vector<std::unique_ptr<Direction>>& directions() const { return directions_; }
 
   /// The size of the cost, initially 1. Thresholds and limits of the regularisation (th_stop, th_grad, th_kkt, reg_min,
   /// reg_max) are multiplied by it, so that a common factor of all weights does not change the motion.
   double get_scale() const { return scale_; }
   void set_scale(double scale);  // above 0, or std::invalid_argument is thrown
-  /// Whether a solve computes the scale from the Hessians at its guess; it remains 1 for ordinary sizes. Initially
-  /// false, so that regularisations are Crocoddyl's for all sizes. Only th_kkt is then multiplied by get_kkt_scale().
+  /// Whether a solve computes the scale from the Hessians at its guess (1 for costs of ordinary size). Initially false:
+  /// regularisations are then Crocoddyl's for costs of any size, and only th_kkt is multiplied by get_kkt_scale().
   bool get_measures_scale() const { return measures_scale_; }
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
-  /// The unit of the cost's gradients in KKT residuals: the scale as it was set, or as a solve measures it. The latter
-  /// is proportional to the cost, so that the weights times any number give the same verdict. It is the geometric mean
-  /// of the smallest Hessian of controls, at any node, and the largest Hessian.
+  /// The unit of the cost's gradients in KKT residuals: the value of set_scale, or a value that a solve measures. The
+  /// measured value is the geometric mean of the smallest Hessian of controls, at any node, and the largest Hessian.
+  /// It is proportional to the cost, so that a common factor of all weights does not change whether a solve converges.
   double get_kkt_scale() const { return kkt_scale_; }
 
   double get_reg_incfactor() const { return reg_incfactor_; }        // factor of increases of the regularisation
@@ -108,17 +108,17 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
   double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
   double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
-  /// The candidate's KKT residual in units of get_kkt_scale(), with least_squares_multipliers; NaN if not computed.
+  /// The candidate's KKT residual [get_kkt_scale()], computed with least_squares_multipliers; NaN if not computed.
   double get_kkt_residual() const { return kkt_; }
-  /// The number of steps after the stopping rule was met, to a KKT residual below th_kkt. Callbacks do not see them.
+  /// The number of steps after th_stop was met, until the KKT residual was below th_kkt, without calls of callbacks.
   std::size_t get_polishing_iter() const { return polishing_; }
-  /// Results of the backward pass. With several subproblems only Vx and k are here, and the others in directions().
+  /// Results of the backward pass: T + 1 matrices Vxx. With several subproblems, directions() has all but Vx and k.
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
-  const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T matrices, ndx x ndx
-  const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T matrices, ndx x nu
-  const std::vector<Eigen::MatrixXd>& get_Quu() const;  // T matrices, nu x nu
-  const Vectors& get_Qx() const;                        // T vectors (ndx)
-  const Vectors& get_Qu() const;                        // T vectors (nu)
+  const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T Hessians of the action value, ndx x ndx
+  const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T Hessians of the action value, ndx x nu
+  const std::vector<Eigen::MatrixXd>& get_Quu() const;  // T Hessians of the action value, nu x nu
+  const Vectors& get_Qx() const;                        // T gradients of the action value (ndx)
+  const Vectors& get_Qu() const;                        // T gradients of the action value (nu)
   const std::vector<MatrixXdRowMajor>& get_K() const;   // T feedback gains, nu x ndx
   const Vectors& get_Vx() const { return Vx_; }         // gradients of the value function (T + 1)
   const Vectors& get_k() const { return k_; }           // feed-forward terms (T)
@@ -133,9 +133,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_th_stepinc(double x) { internal::kShare.set(th_stepinc_, x, "SolverDDP::set_th_stepinc"); }
   void set_th_grad(double x) { internal::kNotNegative.set(th_grad_, x, "SolverDDP::set_th_grad"); }
 
-  /// Requires also a KKT residual (kkt_residual.hpp) of at most th_kkt (> 0; initially infinite). When th_stop is met,
-  /// a solve continues until this is so, for at most maxiter further steps. (The stopping value is a difference of
-  /// costs.) If no step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
+  /// Sets th_kkt, the largest KKT residual (kkt_residual.hpp) of a converged solve (> 0; initially infinite). When
+  /// th_stop is met, a solve continues until the KKT residual is small too, for at most maxiter further steps. If no
+  /// step reduces the cost, the KKT residual alone decides whether the candidate is optimal.
   void set_th_kkt(double x) { internal::kTolerance.set(th_kkt_, x, "SolverDDP::set_th_kkt"); }
 
  protected:
@@ -143,17 +143,17 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   enum class Limits { kIgnored, kKept };
   /// problem: not null, or std::invalid_argument is thrown.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
-  /// The constructor of solvers that create the directions themselves.
+  /// The constructor for derived solvers that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
   void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible, double init_reg);
-  /// Called after a new direction, before steps are tried.
+  /// Prepares the expected improvement; called after a new direction was computed, before steps are tried.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
-  virtual void updateImprovement() {}  // after each tried step
-  /// Whether the tried step is accepted, according to dV and dVexp, and if so whether its states are feasible.
+  virtual void updateImprovement() {}  // updates the expected improvement after each tried step
+  /// Whether the tried step is accepted, from the actual and the expected reduction of the cost, dV and dVexp.
   virtual bool accepts() const;
   virtual bool closesGaps() const { return true; }  // whether an accepted step closes all gaps
-  bool findDirection(bool recalc);  // computes a direction, and increases the regularisation if it fails
+  bool findDirection(bool recalc);  // computes a direction; increases the regularisation until this succeeds
   bool searchLine();                // tries steps along the direction; returns whether one was accepted
   bool adaptRegularization();  // adapts the regularisation to the last step; returns whether it is below its maximum
   StopReason iterate(std::size_t first,
@@ -161,23 +161,23 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   StopReason polish(std::size_t maxiter);               // continues until the KKT residual is below th_kkt
   StopReason descendWithinLimits(std::size_t maxiter);  // continues with `descend`, within control limits
   bool isOptimalWithinLimits();                         // whether the projected gradient promises no gain
-  bool stopsUnregularised();      // whether the stopping rule is met at the least regularisation, too
+  bool stopsUnregularised();      // whether the stopping value is also small at the least regularisation
   StopReason judgeWithoutStep();  // decides the result after no step was accepted
   /// Calls work(direction) for every subproblem, in parallel.
   template <class Work>
   void each_direction(Work&& work);
-  /// Computes xs_try, us_try and cost_try. The gaps of the running nodes (keep_gaps), or of the terminal one
-  /// (keep_terminal_gap), are reduced in proportion to the step length.
+  /// Computes xs_try, us_try and cost_try. keep_gaps, keep_terminal_gap: the gaps of the running nodes, or that of the
+  /// terminal node, are multiplied by 1 - steplength; otherwise they are closed.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// The sum of the directions' dg and dq; `gaps`: with the contributions of gaps.
+  /// The sum of (dg, dq) of Direction::improvement over the directions; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
   void setFeedForward(const Vectors& nu);  // sets k = -nu for the next forward passes of `descend`
-  /// Computes g at us_try, where nodes are differentiated. g is zero for controls at a limit that a step would exceed.
+  /// Computes the gradient g of `descend` at us_try. g is zero for controls at a limit that a step would exceed.
   void computeFeedForwardGradient(Vectors& g);
   void preconditionFeedForward(Vectors& g);  // g <- diag(Quu)^-1 g
-  /// Projects the guess us onto the limits. If this changes a guess without gaps, it has gaps afterwards.
+  /// Projects the guessed controls onto the limits. A guess without gaps has gaps if the projection changes it.
   void limitGuess();
-  /// Whether the search ended with gaps, and a simulation with the guess's controls became the candidate.
+  /// If the search ended with gaps, makes a simulation of the guess's controls the candidate, and returns true.
   bool rollOutCandidate();
 
   std::vector<std::unique_ptr<Direction>> directions_;
@@ -186,13 +186,13 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   bool measures_scale_ = false, judges_ = true;
   double cost_try_ = 0;
   Vectors xs_try_, us_try_, us_guess_;
-  Vectors Vx_, k_;  // T + 1, T
+  Vectors Vx_, k_;  // gradients of the value function (T + 1) and feed-forward terms (T)
   std::vector<double> alphas_;
   double th_grad_ = 1e-12, th_stepdec_ = 0.5, th_stepinc_ = 0.01;
   double th_kkt_ = std::numeric_limits<double>::infinity(), kkt_ = NAN;
   std::size_t polishing_ = 0;
   bool sound_ = false, stepped_ = false, rolled_out_ = false;
-  bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
+  bool held_changed_ = false;  // the last gradient has other controls at limits than the gradient before it
 
  private:
   void measureScale();
@@ -200,7 +200,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   const RiccatiDirection* recursion() const;
   template <class Work>
   void each_feed_forward(Vectors& whole, Work&& work);
-  /// Sets those components to zero that are zero in the last gradient because of limits.
+  /// Sets the components of nu to zero whose controls were at a limit at the last gradient.
   void holdFeedForward(Vectors& nu);
   void computeFeedForwardDirection();
   bool searchFeedForward();

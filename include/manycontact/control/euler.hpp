@@ -1,10 +1,10 @@
 #pragma once
-// Symplectic Euler: with a = a(x, w),
+// Symplectic Euler with step h, state x = [q; v], controls w and accelerations a = a(x, w):
 //
 //     x' = x (+) [h v + h^2 a; h a].
 //
-// Crocoddyl's IntegratedActionModelEuler. If the differential model has storage kPanel, no constraints, and controls
-// that are constant over a step (PolyZero), the data have no matrices: solvers read those of the differential model.
+// Crocoddyl's IntegratedActionModelEuler. The data have no matrices if the differential model has storage kPanel, no
+// constraints, and controls that are constant over a step (PolyZero). Solvers then read the differential model's data.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -26,16 +26,16 @@ class IntegratedActionModelEuler
 };
 
 struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of IntegratedActionModelEuler.
-  /// With kPanel, throws std::invalid_argument for constraints, controls that change over a step, user-defined states.
+  /// Storage kPanel: throws std::invalid_argument for constraints, controls that vary in a step, user-defined states.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   IntegratorStage stage(std::size_t) const override { return {differential, control}; }
   bool has_matrices() const override { return differential->storage != MatrixStorage::kPanel; }
   void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const override;
   void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const override;
-  /// Returns [a_x a_u] of data without matrices. Throws std::logic_error before calcDiff.
+  /// Returns the derivatives [a_x a_u], for data without matrices. Throws std::logic_error before calcDiff.
   const PanelView& panel() const;
-  /// Computes Fx, Fu from lower halves h a_x, h a_u, with calcDiff's J1, J2. Only for states of this library.
+  /// Computes fx, fu, whose lower halves contain h a_x, h a_u at entry. Only for states of this library.
   void integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 
   std::shared_ptr<DifferentialActionDataAbstract> differential;
@@ -44,8 +44,8 @@ struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of In
   Eigen::MatrixXd da_du;  // nv x nu: set by calcDiff
   Eigen::MatrixXd Lwu;    // nw x nu: set by calcDiff
 
-  /// J1, J2 of x (+) dx, which are identities except for joints with several coordinates: set by calcDiff. Let dv'/dx =
-  /// [A B] be the lower half of Fx. Then its upper half is J1 [I 0] + h J2 [A B], and that of Fu is h J2 dv'/du.
+  /// J1, J2: derivatives of q (+) dq by q and dq, set by calcDiff; identities except for floating and planar joints.
+  /// The upper half of Fx is J1 [I 0] + h J2 [A B], where [A B] = dv'/dx is the lower half; that of Fu is h J2 dv'/du.
   struct WideJoint {
     int first = 0, size = 0;   // coordinates in v
     Mat6<double> of_x, of_dx;  // J1, J2: size x size

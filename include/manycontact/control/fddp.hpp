@@ -1,6 +1,6 @@
 #pragma once
 // Feasibility-driven DDP: a step of length s < 1 leaves (1 - s) of the candidate's gaps, and may increase the cost
-// until they are closed. Interface, algorithm, defaults: Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA 2020).
+// until the gaps are closed. Interface, algorithm, defaults: Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA 2020).
 
 #include "manycontact/control/ddp.hpp"
 
@@ -14,9 +14,9 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   /// Computes the terms of the expected improvement that do not depend on the step.
   void updateExpectedImprovement();
   void forwardPass(double steplength) override;
-  /// Share of an expected increase of the cost that is accepted.
+  /// A step from a candidate with gaps may increase the cost by up to this multiple of the expected increase.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
-  /// Sets this share. Throws std::invalid_argument if it is negative.
+  /// Sets the accepted multiple of the expected increase. Throws std::invalid_argument if it is negative.
   void set_th_acceptnegstep(double x) {
     internal::kNotNegative.set(th_acceptnegstep_, x, "SolverFDDP::set_th_acceptnegstep");
   }

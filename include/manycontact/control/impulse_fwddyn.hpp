@@ -4,13 +4,13 @@
 //     [ M  J^T     ] [   v+    ]   [   M v   ]
 //     [ J  -delta I] [ -Lambda ] = [ -e J v  ]        e = r_coeff, delta = JMinvJt_damping
 //
-// The interface is that of Crocoddyl's ActionModelImpulseFwdDynamics. With w = v+ + e v these are the equations of
-// contact forward dynamics at rest, without gravity, with torques (1 + e) M v:
+// M is the mass matrix, J the Jacobian of the impulses, v and v+ the velocities before and after the impact, Lambda the
+// impulses. The interface is that of Crocoddyl's ActionModelImpulseFwdDynamics. With w = v+ + e v the equations are
 //
 //     [ M  J^T     ] [    w    ]   [ (1 + e) M v ]
 //     [ J  -delta I] [ -Lambda ] = [      0      ]
 //
-// They are solved and differentiated as such, including redundant impulses.
+// those of contact forward dynamics at rest, without gravity, and are solved as such, also with redundant impulses.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
@@ -23,10 +23,10 @@ namespace internal {
 class ImpactActuation;
 }
 
-/// A node with an impact. calc computes v+, impulses, costs and constraints. The data's report() contains status and
-/// accuracy; a failed solve gives NaN. The velocity jumps in a terminal node, too, as in Crocoddyl; residuals of
-/// impulses are zero. calcDiff computes the derivatives at the x of the last calc. It throws std::logic_error unless
-/// that calc was of the same kind, with the same active costs and constraints.
+/// A node with an impact. calc computes v+, impulses, costs and constraints. The data's report() has the status; a
+/// failed solve gives NaN. As in Crocoddyl, a terminal node has the velocity jump too, but its residuals of impulses
+/// are zero. calcDiff computes the derivatives at the x of the last calc. It throws std::logic_error unless the last
+/// calc was of the same kind (with or without u), with the same active costs and constraints.
 class ActionModelImpulseFwdDynamics
     : public NodeWithData<ActionModelImpulseFwdDynamics, ActionModelAbstract, ActionDataImpulseFwdDynamics> {
  public:
@@ -59,7 +59,7 @@ class ActionModelImpulseFwdDynamics
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg], which replaces the model's, also in existing data.
+  /// The armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, also in existing data.
   const Eigen::VectorXd& get_armature() const { return dynamics_->get_armature(); }
   void set_armature(const Eigen::VectorXd& armature);              // throws std::invalid_argument for a wrong size
   double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
@@ -91,7 +91,7 @@ class ActionModelImpulseFwdDynamics
   std::shared_ptr<CostModelSum> costs_;
   std::shared_ptr<ConstraintModelManager> constraints_;
   std::shared_ptr<internal::ImpactActuation> actuation_;
-  std::shared_ptr<DifferentialActionModelContactFwdDynamics> dynamics_;  // model at rest: u is v, and xout is w
+  std::shared_ptr<DifferentialActionModelContactFwdDynamics> dynamics_;  // dynamics at rest, with u = v and xout = w
   double r_coeff_ = 0;
 };
 
@@ -99,7 +99,7 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   explicit ActionDataImpulseFwdDynamics(ActionModelImpulseFwdDynamics* model);  // allocates the data of the model
 
   std::shared_ptr<DifferentialActionDataContactFwdDynamics> dynamics;
-  DataCollector* multibody;  // collector of `dynamics`; its contacts are the impulses by name
+  DataCollector* multibody;  // collector of `dynamics`, in which the contacts are the impulses by name
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
   std::shared_ptr<DifferentialActionDataAbstract> terms;       // derivatives of costs and constraints
@@ -110,8 +110,8 @@ struct ActionDataImpulseFwdDynamics : ActionDataAbstract {  // Data of ActionMod
   Eigen::VectorXd x_rest, v;       // [q; 0], and the velocity before the impact, at the last calc
   Eigen::VectorXd x;               // state of the last calc
   std::vector<bool> status;        // whether each cost, then each constraint, was active at the last calc
-  std::vector<bool> laid_out;      // status of the impulses that the residuals' blocks were made for
-  std::vector<FrameIndex> frames;  // frames of the impulses that the blocks were made for
+  std::vector<bool> laid_out;      // whether each impulse was active when the residuals' blocks were made
+  std::vector<FrameIndex> frames;  // frame of each impulse when the residuals' blocks were made
 };
 
 }  // namespace manycontact

@@ -1,7 +1,7 @@
 #pragma once
 // A differential action model integrated over one time step h, with the interface of Crocoddyl's
-// IntegratedActionModelAbstract. The cost is h times that of the differential model (with RK the weighted sum over its
-// stages); that of a terminal node, calc(data, x), is not scaled. Constraints are those at the beginning of the step.
+// IntegratedActionModelAbstract. The cost is h times the differential model's cost (Runge-Kutta: a weighted sum over
+// stages), in a terminal node without the factor h. Constraints are evaluated at the beginning of the step.
 
 #include "manycontact/control/action_model.hpp"
 #include "manycontact/control/control_parametrization.hpp"
@@ -14,7 +14,7 @@ struct IntegratorStage {
   const std::shared_ptr<ControlParametrizationDataAbstract>& control;
 };
 
-/// The common base of the data of this library's integrators.
+/// The common base of the data of integrators.
 struct IntegratedActionDataAbstract : ActionDataAbstract {
   using ActionDataAbstract::ActionDataAbstract;
   virtual std::size_t stages() const { return 1; }         // number of stages of a step
@@ -43,7 +43,7 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]
-  virtual double get_weight(std::size_t) const { return 1; }  // weight of a stage in the cost, relative to the step
+  virtual double get_weight(std::size_t) const { return 1; }  // weight of the stage's cost, in units of the step
   bool checkData(const DataPtr& data) override;
   void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                    double tol = 1e-9) override;

@@ -1,10 +1,10 @@
 #pragma once
-// Linear dynamics with a quadratic cost:
+// Nodes with linear dynamics, a quadratic cost, and linear constraints g, h:
 //
 //     x' = A x + B u + f,    l = 1/2 x^T Q x + 1/2 u^T R u + x^T N u + q^T x + r^T u,
 //     g = G [x; u] + g0,     h = H [x; u] + h0
 //
-// Crocoddyl's ActionModelLQR.
+// The interface is that of Crocoddyl's ActionModelLQR.
 
 #include "manycontact/control/action_model.hpp"
 #include "manycontact/detail/control/state_vector.hpp"

@@ -1,5 +1,5 @@
 #pragma once
-// Explicit Runge-Kutta methods with two, three (Heun's) and four stages: with y_0 = x,
+// Explicit Runge-Kutta methods with two, three (Heun's) and four stages y_i, step h, accelerations a, cost l: y_0 = x,
 //
 //     y_i = x (+) c_i h k_(i-1),    k_i = [v(y_i); a(y_i, w(c_i))],
 //     x'  = x (+) h sum_i b_i k_i,  cost = h sum_i b_i l(y_i, w(c_i))
@@ -8,7 +8,7 @@
 //     three: c = 0, 1/3, 2/3       b = 1/4, 0, 3/4
 //     four:  c = 0, 1/2, 1/2, 1    b = 1/6, 1/3, 1/3, 1/6
 //
-// Crocoddyl's IntegratedActionModelRK. Hessians of the cost are Gauss-Newton's, without second derivatives of y_i.
+// Interface: Crocoddyl's IntegratedActionModelRK. Hessians are Gauss-Newton's, without second derivatives of y_i.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -49,13 +49,13 @@ struct IntegratedActionDataRK : IntegratedActionDataAbstract {      // Data of I
   // These members have one entry per stage.
   std::vector<std::shared_ptr<DifferentialActionDataAbstract>> differential;
   std::vector<std::shared_ptr<ControlParametrizationDataAbstract>> control;
-  std::vector<double> integral;                 // cost of the stage
-  std::vector<Eigen::VectorXd> ki, y, ws;       // ndx, nx, nw
+  std::vector<double> integral;                 // cost of each stage
+  std::vector<Eigen::VectorXd> ki, y, ws;       // k_i (ndx), y_i (nx), controls w(c_i) (nw)
   std::vector<Eigen::VectorXd> dx_rk;           // ndx: y_i = x (+) dx_rk_i
   std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: set by calcDiff
   std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: set by calcDiff
 
-  // Workspace of calcDiff, of one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
+  // Workspace of calcDiff for one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
   Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;
   Eigen::VectorXd Lu_i;
 };

@@ -3,7 +3,7 @@
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// Interface: Crocoddyl's ShootingProblem. `get_nthreads()` threads evaluate the nodes; results do not depend on them.
+// Interface: Crocoddyl's ShootingProblem. Several threads evaluate nodes; results do not depend on their number.
 
 #include <iosfwd>
 #include <limits>
@@ -35,7 +35,7 @@ class ShootingProblem {
   using Models = std::vector<ModelPtr>;
   using Datas = std::vector<DataPtr>;
 
-  /// Throw std::invalid_argument without running models, and for states that differ in nx or ndx, or from x0 in size.
+  /// Throw std::invalid_argument without running models, for models of different nx or ndx, and an x0 of another size.
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model);
   ShootingProblem(const Eigen::VectorXd& x0, const Models& running_models, ModelPtr terminal_model,
                   const Datas& running_datas, DataPtr terminal_data);
@@ -55,8 +55,8 @@ class ShootingProblem {
   void quasiStatic(Vectors& us, const Vectors& xs);
   Vectors quasiStatic_xs(const Vectors& xs);
 
-  /// Shifts the horizon by one node (receding horizon): removes the first running node and appends one at the end.
-  /// Other nodes keep their data. The caller shifts the initial guess. Without `data`, new data are created.
+  /// Shifts the horizon by one node (receding horizon): removes the first running node and appends `model` at the end.
+  /// Other nodes keep their data. The caller must shift the initial guess. Without `data`, new data are created.
   void circularAppend(ModelPtr model, DataPtr data);
   void circularAppend(ModelPtr model);
   /// Replace node i; i = T is the terminal node.
@@ -74,18 +74,18 @@ class ShootingProblem {
   const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
   /// Data of node t.
   const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
-  /// Whether node t depends on x alone: the terminal node. (Running nodes without controls are called with an empty u.)
+  /// Whether node t is the terminal node, whose calc has no u. (Running nodes without controls have an empty u.)
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
-  std::size_t get_nx() const { return nx_; }              // numbers of a state
-  std::size_t get_ndx() const { return ndx_; }            // numbers of a tangent vector
+  std::size_t get_nx() const { return nx_; }              // size of a state
+  std::size_t get_ndx() const { return ndx_; }            // size of a tangent vector
   std::size_t get_nu_max() const;                         // largest number of controls of a node
   std::size_t get_nthreads() const { return nthreads_; }  // number of threads
   void set_x0(const Eigen::VectorXd& x0);  // sets the initial state; throws std::invalid_argument for a wrong size
   /// Replaces all running nodes and creates new data. The number of nodes may change.
   void set_runningModels(const Models& models);
   void set_terminalModel(ModelPtr model) { updateModel(get_T(), model); }  // replaces the node and creates new data
-  /// Sets the number of threads. Initially, and for a number below 1, it is OpenMP's, or 1 without OpenMP. If all nodes
-  /// together take less than about 50 us per thread, one thread evaluates them.
+  /// Sets the number of threads. Initially, and for nthreads < 1, it is OpenMP's number, or 1 without OpenMP. If the
+  /// nodes together take less than about 50 us per thread, one thread evaluates all nodes.
   void set_nthreads(int nthreads);
   /// Whether nodes were replaced since the last call of this function.
   bool is_updated() { return std::exchange(is_updated_, false); }

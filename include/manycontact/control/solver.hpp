@@ -1,10 +1,10 @@
 #pragma once
-// The common base of solvers of a ShootingProblem: the candidate xs, us with its gaps
+// The common base of solvers of a ShootingProblem. It stores thresholds, callbacks, and the candidate xs, us with gaps
 //
-//     fs_0 = x0 (-) xs_0,    fs_(t+1) = f_t(xs_t, us_t) (-) xs_(t+1),
+//     fs_0 = x0 (-) xs_0,    fs_(t+1) = f_t(xs_t, us_t) (-) xs_(t+1).
 //
-// feasibilities, thresholds and callbacks. The interface is that of Crocoddyl's SolverAbstract. A numerical failure is
-// not an exception: solve() returns false, and reason() is the cause. Wrong arguments throw std::invalid_argument.
+// The interface is that of Crocoddyl's SolverAbstract. A numerical failure is not an exception: solve() returns false,
+// and reason() is the cause. Wrong arguments throw std::invalid_argument.
 
 #include <cmath>
 #include <memory>
@@ -28,7 +28,7 @@ enum class StopReason {
   kNoDirection,  // no descent direction at the largest regularisation: non-finite numbers, or Quu not positive definite
   kNoStep,       // no step along a direction was accepted, up to the largest regularisation
   kInterrupted,  // interrupt() was called
-  kInfeasible,   // constraints are violated, and the violation does not decrease with a penalty that outweighs the cost
+  kInfeasible,   // constraints are violated, and no search from the result found a smaller violation
 };
 const char* to_string(StopReason reason);  // describes the reason in words
 
@@ -41,13 +41,13 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   virtual ~SolverAbstract() = default;
 
   /// Solves the problem from the candidate init_xs (T + 1 states; empty: the states' zeros), init_us (T controls;
-  /// empty: zeros), with at most maxiter iterations. If `is_feasible` is true, init_xs is the result of simulating
-  /// init_us, so that there are no gaps; it is ignored if there are some. `init_reg` is the initial regularisation, NaN
-  /// for the smallest. Returns true if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes.
-  /// The results get_xs() and get_us() remain valid until the next solve.
+  /// empty: zeros), with at most maxiter iterations. `is_feasible` states that init_xs is the simulation of init_us,
+  /// without gaps; the flag is ignored if there are gaps. `init_reg` is the initial regularisation, NaN for the
+  /// smallest. Returns true if converged; otherwise see reason(). Throws std::invalid_argument for wrong sizes.
+  /// get_xs() and get_us() return the result until the next solve.
   virtual bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
                      std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) = 0;
-  /// Computes the step of the linear-quadratic problem around the candidate; with `recalc`, first its derivatives.
+  /// Solves the linear-quadratic problem around the candidate; `recalc`: computes the candidate's derivatives first.
   virtual void computeDirection(bool recalc) = 0;
   /// Tries a step along the direction; returns the reduction of the cost, or NaN if numbers are not finite there.
   virtual double tryStep(double steplength = 1) = 0;
@@ -56,13 +56,13 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   virtual const Eigen::Vector2d& expectedImprovement() = 0;
   virtual void resizeData();  // adapts the memory to the problem's nodes
 
-  /// Compute infeasibilities of the last problem.calc, in the norm get_feasnorm(): gaps (stored in fs); bounds of g; h.
+  /// Compute the norm get_feasnorm() of gaps (stored in fs), violations of g's bounds, and h, after problem.calc.
   double computeDynamicFeasibility();
   double computeInequalityFeasibility();
   double computeEqualityFeasibility();
   void setCandidate(const Vectors& xs_warm = DEFAULT_VECTOR, const Vectors& us_warm = DEFAULT_VECTOR,
                     bool is_feasible = false);
-  /// The callbacks are called after each iteration. Replacements by a callback take effect at the next iteration.
+  /// The functions that are called after each iteration. A list that a callback sets is used from the next iteration.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
@@ -117,10 +117,10 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   void check_xs(const char* where, const Vectors& xs) const;
   /// Throws std::invalid_argument for wrong sizes.
   void check_us(const char* where, const Vectors& us) const;
-  /// Calls each callback of the current list, which callbacks may replace.
+  /// Calls each callback of the current list. A callback may replace the list.
   void callCallbacks();
   std::shared_ptr<ShootingProblem> problem_;
-  Vectors xs_, us_, fs_;  // T + 1, T, T + 1
+  Vectors xs_, us_, fs_;  // states (T + 1), controls (T) and gaps (T + 1) of the candidate
   std::shared_ptr<const Callbacks> callbacks_ = std::make_shared<const Callbacks>();
   bool is_feasible_ = false, was_feasible_ = false;
   double cost_ = 0, merit_ = 0, stop_ = 0;

@@ -1,15 +1,15 @@
 #pragma once
 // The step of semi-implicit Euler in simulation/step.hpp, as a node: contacts constrain the velocity, and bodies
-// without connection to the world keep their momentum. From x = (q, v), with the torques tau of its actuation:
+// without connection to the world keep their momentum. At x = (q, v), with torques tau, contact errors e, step h:
 //
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v)       ]
 //     [ J  -delta I] [ -f ] = [ -beta J v - alpha e ]      q+ = q (+) h v+,   v+ = v + h a
 //
-// Then the momentum of each free group is corrected (detail/simulation/momentum.hpp). Unlike in control/euler.hpp the
-// bias J' v is left out: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state is the result of `step` for a
-// SimulationData that starts at x. A simulation that continues differs, since it uses J v at the last q.
+// Then the momentum of each free group is corrected (detail/simulation/momentum.hpp). Unlike control/euler.hpp, this
+// step omits the bias J' v: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state equals the first `step` of a
+// SimulationData that starts at x. Later steps of a simulation differ, because they use J v at the previous q.
 //
-// The cost is h times the differential model's, constraints are its own; both use its accelerations and forces at x, u.
+// The cost is h times that of the differential model. Cost and constraints use the differential model's a, f at x, u.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -51,7 +51,7 @@ struct IntegratedActionDataSymplectic : IntegratedActionDataAbstract {  // Data 
   std::shared_ptr<ControlParametrizationDataAbstract> control;
   Eigen::MatrixXd F;                               // ndx x (ndx + nw): derivatives of xnext, set by calcDiff
   Eigen::MatrixXd Lwu;                             // nw x nu: set by calcDiff
-  std::unique_ptr<internal::HeldVelocities> held;  // a, and its workspace
+  std::unique_ptr<internal::HeldVelocities> held;  // the accelerations of this step, and their workspace
 };
 
 }  // namespace manycontact

@@ -1,9 +1,9 @@
 #pragma once
-// A wheel in the plane, x = [x; y; theta], u = [v; omega]:
+// A unicycle with position x, y, heading theta, speed v, angular velocity omega: x = [x; y; theta], u = [v; omega],
 //
 //     x' = x + dt [v cos(theta); v sin(theta); omega],    l = 1/2 |wx x|^2 + 1/2 |wu u|^2.
 //
-// Crocoddyl's ActionModelUnicycle.
+// The interface is that of Crocoddyl's ActionModelUnicycle.
 
 #include "manycontact/control/action_model.hpp"
 #include "manycontact/detail/control/state_vector.hpp"
@@ -16,7 +16,7 @@ class ActionModelUnicycle : public NodeWithData<ActionModelUnicycle, ActionModel
   static constexpr const char* kName = "ActionModelUnicycle";
   ActionModelUnicycle() : NodeWithData(std::make_shared<StateVector>(3), 2, 5) {}
   using NodeWithData::calcDiff;
-  /// The derivatives of calcDiff(data, x), which a derived class may override, and those with respect to u.
+  /// Calls calcDiff(data, x), which a derived class may override, and computes the derivatives with respect to u.
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void print(std::ostream& os) const override { os << kName << " {dt=" << dt_ << "}"; }
 

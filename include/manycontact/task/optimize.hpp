@@ -11,8 +11,8 @@
 
 namespace manycontact {
 
-/// The values that a solver's callback receives after an iteration; gaps are those before it. The cost is the task's
-/// own. With constraints, the other values are those of the augmented Lagrangian.
+/// The values after an iteration; `gaps` is the norm of the gaps before this iteration. `cost` is the task's cost. With
+/// constraints, the other values refer to the augmented Lagrangian.
 struct TaskIteration {
   double cost = 0, stop = 0, regularisation = 0, step_length = 0, gaps = 0;
   bool feasible = false;
@@ -26,20 +26,20 @@ struct TaskTimes {
   double total = 0;
 };
 
-/// Feedback u = us_t - K_t (x (-) xs_t) of robots that are solved together. dx and u are their coordinates.
+/// Feedback u = us_t - K_t (x (-) xs_t) of robots that are solved together. dx, u: indices of the robots' coordinates.
 struct TaskGains {
   std::vector<int> dx, u;
-  std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and where the robots are solved with others
+  std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and at nodes where another entry has the robots
 };
 
-struct TaskSolution {  // The result of optimize, and how it was found.
+struct TaskSolution {  // The result of optimize, and a report of the solve.
   bool converged = false;
   double cost = 0;
   std::string reason;                     // why the solve stopped, with violated constraints, failures and remarks
-  std::vector<std::string> remarks;       // fallbacks taken where a solver's own rule failed
+  std::vector<std::string> remarks;       // remedies that were applied after a failure (see optimize)
   bool interrupted = false;               // whether TaskOptions::each ended the solve
-  std::vector<TaskIteration> iterations;  // up to the task's tolerance; of all solvers that were tried
-  std::size_t polishing_iterations = 0;   // further iterations, up to the KKT residual
+  std::vector<TaskIteration> iterations;  // iterations of all solves, until the task's tolerance was met
+  std::size_t polishing_iterations = 0;   // number of further iterations, until the KKT residual was small
   std::vector<Eigen::VectorXd> xs, us;    // nodes + 1 states, nodes controls
   std::vector<TaskGains> gains;           // one per decoupled subproblem or cluster; none if no direction was found
   std::string solver;
@@ -58,25 +58,25 @@ struct TaskSolution {  // The result of optimize, and how it was found.
 };
 
 struct TaskOptions {                      // Solver settings that are not in the file.
-  std::optional<TaskSolver> solver = {};  // none: that of the task
-  int threads = 0;                        // 0: as many as OpenMP offers
-  /// Called after each iteration; if it returns false, the solve ends.
+  std::optional<TaskSolver> solver = {};  // none: the solver that the task names
+  int threads = 0;                        // number of threads; 0: OpenMP's number
+  /// Called after each iteration. The solve ends if the call returns false.
   std::function<bool(const TaskIteration&)> each = {};
 };
 
 /// Solves a problem that make_problem made for the same solver, from the problem's initial guess, with the task's
-/// iterations and tolerance. FDDP needs nodes of the whole scene; Box-FDDP accepts these or subproblems. kAuto chooses
-/// sparse if the problem has more than one block, else FDDP.
+/// iterations and tolerance. FDDP needs nodes of the whole scene; Box-FDDP accepts whole nodes or subproblems. kAuto
+/// chooses the sparse solver if the problem has more than one block, else FDDP.
 ///
-/// When the stopping value is below the tolerance, the solver continues until the KKT residual is below 1e-6;
-/// `converged` means both. The KKT residual is relative to the size of the cost (SolverDDP::get_kkt_scale), and for
-/// costs of extraordinary size so is the tolerance (SolverDDP::set_measures_scale).
-/// Constraints are met to 1e-9 by SolverAugmentedLagrangian with any of these solvers.
+/// When the stopping value is below the tolerance, the solver continues until the KKT residual is below 1e-6. If both
+/// are, `converged` is true. The KKT residual is relative to the size of the cost (SolverDDP::get_kkt_scale). For very
+/// large or small costs the tolerance is relative, too (SolverDDP::set_measures_scale).
+/// With any of these solvers, SolverAugmentedLagrangian satisfies constraints to 1e-9.
 ///
-/// A numerical failure is not an exception. `reason` describes it, and these remedies, if they were applied:
+/// A numerical failure is not an exception: `reason` describes the failure. `remarks` lists remedies that were applied:
 ///
-/// - If block-wise search directions of coupled robots do not converge, a dense recursion of their subproblem replaces
-///   them, with as many iterations again. The problem's nodes are then those of that subproblem.
+/// - If search directions by blocks of coupled robots do not converge, their subproblem is solved as one dense block,
+///   with as many iterations again. The problem then contains the nodes of this dense subproblem.
 /// - If the gradient vanishes at the guess although costs decrease nearby, the solver starts from a nearby point.
 ///
 /// Throws std::invalid_argument if the problem does not fit the task. Allocates. Thread-safe for distinct problems.

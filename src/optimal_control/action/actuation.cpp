@@ -70,7 +70,7 @@ void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorR
   check("ActuationModel::torqueTransform", x, u);  // Mtau is constant, set in createData
 }
 
-// The selection is used only for classes of the library: a user's class may have other derivatives.
+// Returns the selection for the classes of this library only: derived classes of users may have other derivatives.
 const std::vector<int>& ActuationModelSelection::selection() const {
   static const std::vector<int> none;
   const auto& type = typeid(*this);

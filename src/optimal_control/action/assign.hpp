@@ -1,5 +1,5 @@
 #pragma once
-// The operations of Crocoddyl's AssignmentOp on a value.
+// Sets, adds or subtracts a value, as an argument of type AssignmentOp selects.
 
 #include "manycontact/action/state.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// The functions of a running node and of a terminal node as one: u is null in a terminal node.
+// Functions that call calc or calcDiff of a running node (with u), or of a terminal node (u is null).
 
 #include "manycontact/detail/action/fwd.hpp"
 

@@ -3,7 +3,7 @@
 namespace manycontact {
 
 namespace {
-// Costs read intermediate results of every contact, which SIMD batches and reduced pairs do not provide.
+// Switches off SIMD batches and reduced pairs, which do not store the intermediate results of contacts that costs read.
 Options robot_by_robot(Options options) {
   options.simd_level = SimdLevel::kOff;
   options.reduce_pairs = false;
@@ -67,7 +67,7 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDat
       actuation(std::move(act)),
       contacts(contact ? std::move(contact) : std::make_shared<ContactDataMultiple>()) {
   if (!motion) return;
-  // Torques may couple everything, as with any actuation that is no selection of coordinates.
+  // A general actuation may couple all coordinates: every island depends on all of x and u.
   const int nv = scene.nv, nu = actuation ? static_cast<int>(actuation->u.size()) : 0;
   for (std::size_t i = 0; i < island_count(solution); ++i) {
     IslandColumns& columns = islands.emplace_back();
@@ -95,7 +95,7 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    (void)derivatives(solution);  // throws unless the derivatives are of the last calc
+    (void)derivatives(solution);  // throws if the solution has no derivatives of its last solve
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }

@@ -4,7 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Calls column(i, f(d), f(-d), 2h) for each of n directions i, where d is a step of length h along i.
+/// Calls column(i, f(d), f(-d), 2h) for each of n directions i, where d is h times unit vector i.
 template <class F, class Column>
 void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -26,7 +26,7 @@ Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   return J;
 }
 
-/// Returns the Jacobian of f(u); steps are h max(1, |u_i|).
+/// Returns the Jacobian (rows x nu) of f(u + d) with respect to d at zero. The steps are h max(1, |u_i|).
 template <class F>
 Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
   const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);

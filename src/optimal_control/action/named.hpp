@@ -1,5 +1,5 @@
 #pragma once
-// The common part of the stacks of contacts, costs and constraints.
+// Functions for the stacks of named contacts, impulses, costs and constraints.
 
 #include <ostream>
 
@@ -18,7 +18,7 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }
 
-/// Calls f(item, data of the part) for each part with keep(item). Models and data are both sorted by name.
+/// Calls f(item, data of the item) for each item for which keep(item) is true. Items and data are sorted by name.
 template <class Map, class Data, class Keep, class F>
 void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
   auto d = data.begin();

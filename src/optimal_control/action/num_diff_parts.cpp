@@ -17,10 +17,10 @@ namespace {
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 struct Differences {
-  Eigen::MatrixXd x, u;  // derivatives with respect to x and u; a terminal node has none for u
+  Eigen::MatrixXd x, u;  // derivatives with respect to x and u; `u` is empty in a terminal node
 };
 
-// Differentiates value(data) of a part at x, u, and restores the data there. before(x, u) is called before each calc.
+// Differentiates value(data) of a part at x, u; the last calc is at x, u. before(x, u) is called before each calc.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
@@ -150,7 +150,7 @@ void ActuationModelNumDiff::commands(const DataPtr& data, const ConstVectorRef& 
 void ActuationModelNumDiff::torqueTransform(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   calcDiff(data, x, u);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse;
-  inverse.setThreshold(step_);  // larger than the differences' errors, O(step^2)
+  inverse.setThreshold(step_);  // larger than the errors of the differences, which are O(step^2)
   inverse.compute(Eigen::MatrixXd(data->dtau_du));
   data->Mtau = inverse.pseudoInverse();
 }
@@ -202,7 +202,7 @@ Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
   return out;
 }
 
-// Computes Gauss-Newton's Hessians, with the activation's Arr at the point.
+// Computes the cost's derivatives from the residual's Jacobians by_x, by_u and the activation's Ar, Arr (Gauss-Newton).
 void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
@@ -269,7 +269,7 @@ std::string DifferentialActionModelNumDiff::where(const char*) const { return kN
 Eigen::VectorXd DifferentialActionModelNumDiff::coordinates(const DifferentialActionDataAbstract&,
                                                             const DifferentialActionDataAbstract& moved,
                                                             bool terminal) const {
-  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // a terminal node does not accelerate
+  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // terminal nodes have no acceleration
 }
 
 }  // namespace manycontact

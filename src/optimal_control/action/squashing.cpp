@@ -77,7 +77,7 @@ void ActuationSquashingModel::calc(const DataPtr& data, const ConstVectorRef& x,
   d.tau = d.actuation->tau;
 }
 
-// With the squashed controls u(s), dtau/ds = dtau/du du/ds.
+// Computes dtau/ds = dtau/du du/ds, where u(s) are the squashed controls.
 void ActuationSquashingModel::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   auto& d = internal::own_data<ActuationSquashingData>("ActuationSquashingModel::calcDiff", data);
   squashing_->calc(d.squashing, u);

@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// Calls use(joint, first coordinate in q, first in v) for every joint of every robot.
+// Calls use(joint, first index in q, first index in v) for every joint of every robot.
 template <class Use>
 void each_joint(const Scene& scene, Use&& use) {
   for (const Robot& robot : scene.robots)

@@ -1,5 +1,5 @@
 #pragma once
-// Costs and constraints of action models with contacts: both are residuals with names, which can be switched off.
+// Functions for the "terms" of action models with contacts: named costs and constraints, which can be switched off.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
@@ -24,12 +24,12 @@ void each_residual(const ActionTerms& terms, Use&& use) {
 /// constraint's `active` was changed without changeConstraintStatus.
 void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
                  const ConstraintDataManager* constraints);
-/// Whether the residuals' data still fit: false after a residual's frame has changed.
+/// Whether ResidualModelAbstract::fits is true for the data of all residuals; false if a residual's frame has changed.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
-/// Read, or compare, whether each term is active, in the order of each_residual.
+/// Stores whether each term is active, in the order of each_residual; has_status compares terms with stored values.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
-/// Checks a calcDiff: throws std::logic_error unless a calc of the same kind, with the same active terms, preceded it.
+/// Throws std::logic_error unless `fits`: calcDiff needs an earlier calc of the same stage with the same active terms.
 void check_stage(const char* who, bool fits, Stage stage);
 /// Stacks the residuals of the active costs.
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);

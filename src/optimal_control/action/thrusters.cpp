@@ -35,7 +35,7 @@ ActuationModelFloatingBaseThrusters::ActuationModelFloatingBaseThrusters(std::sh
   set_thrusters(thrusters);
 }
 
-// A thruster exerts a force along its z axis, at its place, and a torque about that axis. W_ has the base's axes.
+// Computes W_ in the base's axes. A thruster exerts a force along its z axis at its position, and a torque about z.
 void ActuationModelFloatingBaseThrusters::set_thrusters(const std::vector<Thruster>& thrusters) {
   check_size("ActuationModelFloatingBaseThrusters::set_thrusters", "thrusters",
              static_cast<Eigen::Index>(thrusters.size()), thrusters_.size());

@@ -11,7 +11,7 @@ namespace manycontact::lq {
 
 namespace {
 
-// Returns the vertices below each, with fill-in: those below a column are added to its parent, the first of them.
+// Returns the blocks below the diagonal of each column of L, with fill-in: those of a column and of its children.
 std::vector<std::set<int>> fill(int n, const std::vector<std::pair<int, int>>& edges) {
   std::vector<std::set<int>> below(n);
   for (const auto& [u, v] : edges)

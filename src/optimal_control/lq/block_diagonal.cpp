@@ -5,7 +5,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Calls use(first, size, block); for joints of a robot the size is known at compile time.
+// Calls use(first, size, block) for each part. The size is a compile-time constant for the sizes of robots' joints.
 template <class Use>
 void each_part(const BlockDiagonal& D, Use&& use) {
   for (const BlockDiagonal::Part& part : D.parts) {
@@ -23,7 +23,7 @@ void each_part(const BlockDiagonal& D, Use&& use) {
   }
 }
 
-// Calls use(first, size) for each gap between the parts.
+// Calls use(first, size) for each interval of rows between the parts, where D is scale I.
 template <class Use>
 void each_gap(const BlockDiagonal& D, Index n, Use&& use) {
   Index at = 0;

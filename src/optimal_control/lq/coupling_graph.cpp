@@ -10,7 +10,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Sets, for each cluster of knot 0, its index and its couplings in each knot. The plan keeps these clusters.
+// Sets the index and the couplings in each knot of each cluster. (With kNoCouplings all knots have the same clusters.)
 void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) {
   graph.nodes.assign(plan[0].size(), std::vector<CouplingNode>(plan.size()));
   for (std::size_t c = 0; c < plan[0].size(); ++c) {
@@ -36,10 +36,10 @@ void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) 
   }
 }
 
-// Couplings that touch the same clusters, in any knot, form a track: two vertices of S, all their mu, then all their w.
+// Makes two vertices of S (all mu; all w) for each track, a set of couplings of any knots between the same clusters.
 void make_vertices(const Problem& problem, CouplingGraph& graph) {
   const int T = problem.horizon();
-  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // clusters that each coupling of each knot touches
+  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // the clusters of each coupling, for each knot
   for (int k = 0; k <= T; ++k) {
     touched[k].resize(problem.knots[k].couplings.size());
     for (std::size_t c = 0; c < graph.nodes.size(); ++c)
@@ -106,7 +106,7 @@ CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan) {
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph) {
   double flops = riccati_flops(problem, plan) + block_cholesky_flops(graph.vertices, graph.edges);
   for (const auto& cluster : graph.nodes) {
-    double later = 0;  // size of y in later knots
+    double later = 0;  // sum of the sizes of y in later knots
     for (std::size_t k = plan.size(); k-- > 0;) {
       const Cluster& c = plan[k][cluster[k].cluster];
       const double n = c.nx, m = c.nu, y = cluster[k].size;

@@ -31,7 +31,7 @@ void solve_L(ConstBlock L, Block X);         // X <- L^-1 X
 void solve_Lt(ConstBlock L, Block X);        // X <- L^-T X
 void solve_Lt_right(ConstBlock L, Block X);  // X <- X L^-T
 
-// sum += A z, scale += |A| |z|; the second also sum_t += A^T w, scale_t += |A|^T |w|.
+// add_Az: sum += A z, scale += |A| |z|. add_Az_Atw: the same, and sum_t += A^T w, scale_t += |A|^T |w|.
 void add_Az(ConstBlock A, const double* z, double* sum, double* scale);
 void add_Az_Atw(ConstBlock A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
                 double* scale_t);

@@ -1,5 +1,5 @@
 #pragma once
-// Maps a group's vectors to a knot's: calls f(first in the group's vector, first in the knot's, size) for each piece.
+// Maps the vectors of a group to those of its knot: calls f(first in the group, first in the knot, size) per piece.
 
 #include "manycontact/lq/problem.hpp"
 
@@ -14,7 +14,7 @@ void for_each_x(const Problem& problem, const Layout& layout, const Group& g, F&
   }
 }
 
-/// Calls f(first in v_g, whether it is a piece of u (or of w), first in u or w, size) for each piece.
+/// Calls f(first index in v_g, is_u, first index in the knot's u or w, size) for each piece; is_u: u, otherwise w.
 template <class F>
 void for_each_v(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
   Eigen::Index at = 0;

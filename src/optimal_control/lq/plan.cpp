@@ -10,7 +10,7 @@ namespace {
 void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
-  std::vector<int> first(knot.couplings.size(), -1);  // block that the coupling touches
+  std::vector<int> first(knot.couplings.size(), -1);  // a block of the coupling; -1: none found so far
   for (const Group& g : knot.groups) {
     for (int i : g.blocks) partition.join(g.blocks.front(), i);
     if (join != Join::kIslands) continue;
@@ -38,7 +38,7 @@ void add_member(const Problem& problem, int k, int index, Cluster& c) {
   c.members.push_back(std::move(m));
 }
 
-// Adds the couplings of the members to the cluster: their w follow all controls.
+// Adds the couplings of the members to the cluster. Their w follow the controls of all members in v.
 void add_couplings(const Knot& knot, Cluster& c) {
   std::vector<int> w(knot.couplings.size(), -1), row(knot.couplings.size(), -1);
   for (Member& m : c.members) {
@@ -96,7 +96,7 @@ void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int block
 
 Plan make_plan(const Problem& problem, Join join) {
   std::vector<int> memory(problem.blocks());
-  sparse::UnionFind partition(memory);  // sets of blocks, which only ever grow together
+  sparse::UnionFind partition(memory);  // sets of blocks, which are only joined, from the last knot to the first
   if (join == Join::kNoCouplings)
     for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
   const int T = problem.horizon();

@@ -10,13 +10,13 @@ namespace manycontact::lq {
 
 namespace {
 
-// The sum is not finite if an entry is not.
+// Whether all entries are finite: an entry that is not finite makes the sum not finite.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-// Weight of |D v|^2, relative to the sizes of Qvv and D, that shows whether Qvv is positive definite where D v = 0.
+// Weight of |D v|^2, relative to the sizes of Qvv and D, in the test whether Qvv is positive definite where D v = 0.
 constexpr double kConvexWhereFeasible = 1e6;
 
-// Smallest relative pivot of the LU (regardless of units): below it the matrix is singular to working precision.
+// Smallest accepted pivot of the LU, relative to its row and column. A matrix with a smaller pivot counts as singular.
 constexpr double kSingularPivot = 1e-14;
 
 }  // namespace
@@ -138,7 +138,7 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
-// Computes K and P with the couplings' equations. Qvv is positive definite where D v = 0 if Qvv + weight D^T D is.
+// Computes K and P with couplings. Tests by Cholesky of Qvv + weight D^T D whether Qvv is positive where D v = 0.
 Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
@@ -192,7 +192,7 @@ Outcome Riccati::do_factorize(const Problem& problem, const Regularisation& reg)
   return {};
 }
 
-// ---- the vectors' part of the recursion: k and p backward, x, v, lambda, mu forward
+// ---- the recursion of the vectors: k and p from k = T to 0, then x, v, lambda, mu from k = 0 to T
 
 namespace {
 

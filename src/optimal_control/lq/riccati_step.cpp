@@ -82,7 +82,7 @@ void RiccatiStep::multiply(ConstMatrix P) {
   panel_kernels().upper_product(F_.data(), PF_.data(), nx_, cols, ld_, H_.data());
 }
 
-// Definitions: W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which takes the first half y of x:
+// Computes H with W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which selects the half y of x:
 //
 //     F^T P F = F_z^T (W F_z + Y^T E) + E^T Y F_z + E^T J^T P_yy J E
 void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {
@@ -132,7 +132,7 @@ void RiccatiStep::multiply(ConstMatrix P, const std::vector<Member>& members) {
       Matrix(PF + first, size, nx_, Eigen::OuterStride<>(ld)) += Matrix(Z, size, nx_, Eigen::OuterStride<>(ld));
     });
   for (const Member& m : members)
-    each_piece(m, [&](int first, int size) {  // F^T P F from the diagonal on
+    each_piece(m, [&](int first, int size) {  // upper triangle of F^T P F
       if (size == 0) return;
       const int from = first / 8 * 8, cols = u_ + nx_ - from;
       panel_kernels().product(row(m.x) + first, ld_, PF + m.x * ld + from, m.nx, size, cols, ld_, Z);

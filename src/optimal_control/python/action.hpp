@@ -26,7 +26,7 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::ActionModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActionDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
 
-/// Calls the method that Python defines, otherwise T's; if T is abstract, its method is pure virtual.
+/// Calls the method `name` of the Python class, or that of T if Python does not define it (abstract T: an error).
 #define MANYCONTACT_OVERRIDE(result, T, name, ...)        \
   if constexpr (std::is_abstract_v<T>) {                  \
     PYBIND11_OVERRIDE_PURE(result, T, name, __VA_ARGS__); \
@@ -45,8 +45,8 @@ std::shared_ptr<Data> made(std::shared_ptr<Data> data) {
   return data;
 }
 
-/// Adds a member of action data that the library's models resize. Data of models written in Python have fixed sizes and
-/// return a writable view, other data a read-only copy. Assignment writes into the member of either.
+/// Adds a member of action data that the library's models resize. Reading returns a writable view for data of models
+/// written in Python, which have fixed sizes, and a read-only copy for other data. Assignment writes into the member.
 template <class T, class... Options, class... Given>
 void add_resized(Class<T, Options...>& c, Given... given) {
   const auto add = [&c](const char* name, auto member) {
@@ -104,7 +104,7 @@ void add_bounds(Class<T, Options...>& c, Given... given) {
   in_groups<3>(add, given...);
 }
 
-/// Adds the members that differential and discrete action models have in common. Data: that of the abstract class.
+/// Adds the members that differential and discrete action models have in common. Data: the abstract model's data.
 template <class Data, class T, class... Options>
 void add_action_model(Class<T, Options...>& c) {
   c.read("state", &T::get_state, "nu", &T::get_nu, "nr", &T::get_nr, "ng", &T::get_ng, "nh", &T::get_nh, "ng_T",
@@ -116,7 +116,7 @@ void add_action_model(Class<T, Options...>& c) {
   c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
-/// A base class for Python: calls Python's calc, calcDiff (data, x, u=None) and createData, one thread at a time (GIL).
+/// A base class for models written in Python: calls their calc, calcDiff (data, x, u=None) and createData with the GIL.
 template <class Abstract, class AbstractData>
 struct PyActionModel : Abstract {
   using Abstract::Abstract;
@@ -140,7 +140,7 @@ struct PyActionModel : Abstract {
   }
 
  private:
-  // Calls Python's quasiStatic(self, data, x, maxiter, tol), which returns u; false if the class has none.
+  // Calls Python's quasiStatic(self, data, x, maxiter, tol), which returns u. Returns false if it is not defined.
   bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
     const py::gil_scoped_acquire gil;
     const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");

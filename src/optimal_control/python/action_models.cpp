@@ -83,7 +83,7 @@ void add_impulses(py::module_& m) {
 using Abstract = DifferentialActionModelAbstract;
 using AbstractData = DifferentialActionDataAbstract;
 
-// Returns a getter that copies a sparse matrix to scipy's.
+// Returns a Python getter that copies a sparse matrix to a scipy matrix.
 auto sparse(const Eigen::SparseMatrix<double>& (AbstractData::*get)() const) {
   return [get](const AbstractData& d) {
     Eigen::SparseMatrix<double> matrix = (d.*get)();

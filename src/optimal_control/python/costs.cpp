@@ -52,7 +52,7 @@ void add_cones(py::module_& m) {
 
 using CostData = std::shared_ptr<CostDataAbstract>;
 
-// A base class for Python. T: CostModelAbstract, or a class of this library.
+// A base class for costs written in Python. T: CostModelAbstract, or a cost class of this library.
 template <class T>
 struct PyCost : T {
   using T::T;
@@ -78,7 +78,7 @@ struct PyCost : T {
   }
 };
 
-// Adds derivatives: views of the data of user-defined costs, copies for other costs.
+// Adds getters of derivatives, which return views for user-defined costs, and copies for other costs.
 template <class... Given>
 void add_derivatives(Class<CostDataAbstract, CostData>& c, Given... given) {
   const auto add = [&c]<class M>(const char* name, M CostDerivatives::*made, M CostDataAbstract::*member) {

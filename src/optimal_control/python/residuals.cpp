@@ -14,7 +14,7 @@ namespace {
 
 using Index = std::size_t;
 
-// The calls to Python that run in this thread, innermost last.
+// An entry of `running`, the calls to Python that run in this thread (the innermost call is last).
 struct Running {
   const void* data;
   std::shared_ptr<Shared> shared;
@@ -93,7 +93,7 @@ void add_shared(py::module_& m) {
       });
 }
 
-// Returns the whole matrix: a view if the data contain it (of a user-defined cost), otherwise a copy of the blocks.
+// Returns a getter of a whole matrix: a view if the data contain the whole matrix, otherwise a copy from the blocks.
 auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (ResidualDataAbstract::*made)() const) {
   return [member, made](const py::object& self) {
     auto& d = self.cast<ResidualDataAbstract&>();
@@ -101,7 +101,7 @@ auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (Resid
   };
 }
 
-// Returns a setter that copies the whole matrix to the blocks' rows and columns.
+// Returns a setter that copies a whole matrix into the blocks.
 template <class Block>
 auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
                Eigen::MatrixXd (ResidualDataAbstract::*made)() const, Block ResidualBlock::*block,
@@ -117,8 +117,8 @@ auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
   };
 }
 
-// Adds a residual with a reference. A cone is returned as the residual's own, so that setting its members changes the
-// residual; other references are copied.
+// Adds a residual with a reference. For cones, Python gets the residual's own object, so that setting its members
+// changes the residual. Other references are copied.
 template <class T, class... Signatures>
 auto residual(py::module_& m) {
   auto c = shared<T, ResidualModelAbstract>(m);

@@ -15,7 +15,7 @@ class Shared {
     if (!collector_) throw py::value_error("data.shared is there while calc, calcDiff and createData run, not later");
     return *collector_;
   }
-  /// The collector itself, which createData needs.
+  /// Returns the DataCollector, which createData of C++ classes takes as argument.
   DataCollector* collector() const {
     (void)get();
     return collector_;
@@ -31,7 +31,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// A call to Python in this thread, with these data.
+/// Marks a call to Python in this thread for the lifetime of this object; `data` can then read their `shared`.
 class Scope {
  public:
   template <class Model, class Data>
@@ -40,7 +40,7 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// The collector of the innermost call on these data. Raises ValueError if there is none.
+  /// Returns the Shared of the innermost running call with these data. Raises ValueError if no call is running.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:

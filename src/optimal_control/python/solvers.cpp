@@ -30,7 +30,7 @@ void add_problem(py::module_& m) {
       .def("__str__", &text_of<P>);
 }
 
-// A base class for Python. T: SolverDDP, or one of its subclasses. solve() calls the methods that Python defines.
+// A base class for solvers written in Python. T: SolverDDP or a subclass. solve() calls methods defined in Python.
 template <class T>
 struct PySolver : T {
   using T::T;
@@ -48,7 +48,7 @@ struct PySolver : T {
   void resizeData() override { PYBIND11_OVERRIDE(void, T, resizeData, ); }
   double calcDiff() override {
     const auto cost = [this]() -> double { PYBIND11_OVERRIDE(double, T, calcDiff, ); };
-    return this->cost_ = cost();  // Python cannot set it
+    return this->cost_ = cost();  // Python code cannot set cost_
   }
   void backwardPass() override { PYBIND11_OVERRIDE(void, T, backwardPass, ); }
   void forwardPass(double steplength) override { PYBIND11_OVERRIDE(void, T, forwardPass, steplength); }
@@ -64,7 +64,7 @@ struct PyCallback : CallbackAbstract {
   void operator()(SolverAbstract& solver) override {
     const py::gil_scoped_acquire gil;
     const py::object self = py::cast(static_cast<CallbackAbstract*>(this), py::return_value_policy::reference);
-    const py::object own = py::type::of(self).attr("__call__");  // not get_override, which finds none while it runs
+    const py::object own = py::type::of(self).attr("__call__");  // get_override fails inside a running __call__
     if (own.is(py::type::of<CallbackAbstract>().attr("__call__"))) throw_undefined();
     own(self, py::cast(&solver, py::return_value_policy::reference));
   }
@@ -72,8 +72,8 @@ struct PyCallback : CallbackAbstract {
 
 using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
 
-// The only callback of a solver while solve() runs. It calls the user's callbacks, which may be replaced meanwhile,
-// with effect from the next iteration, and then checks for Ctrl-C, which ends the solve.
+// The only callback of a solver while solve() runs. It calls the user's callbacks, then ends the solve after Ctrl-C.
+// If a callback replaces the list of callbacks, the new list is used from the next iteration.
 struct Solving : CallbackAbstract {
   explicit Solving(Callbacks of) : users(std::move(of)) {}
   void operator()(SolverAbstract& solver) override {
@@ -119,8 +119,8 @@ bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us,
 }
 
 // ---- garbage ------------------------------------------------------------------------------------------------------
-// A callback written in Python may refer to its solver, which keeps the callback. Python's collector finds such cycles,
-// because a solver reports to it the callbacks that it keeps. It may only report those that nothing else in C++ keeps.
+// A callback written in Python may refer to its solver, which owns the callback. Python's garbage collector finds such
+// cycles, because a solver reports the callbacks that it owns, unless another C++ object owns them too.
 
 template <class Use>
 void each_kept_callback(PyObject* self, Use&& use) {
@@ -163,7 +163,7 @@ void add_solver_base(py::module_& m) {
   auto callback = shared<CallbackAbstract, PyCallback>(m);
   auto solver = shared<S>(m, "SolverAbstract", kCollected);
   callback.constructors<void()>().def("__call__", [](CallbackAbstract& c, SolverAbstract& of) {
-    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // it defines no __call__, or calls super()'s
+    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // no __call__, or super().__call__ was called
     c(of);
   });
   solver.def("solve", &solve_problem)

@@ -55,7 +55,7 @@ void add_states(py::module_& m) {
 
 using ActuationData = std::shared_ptr<ActuationDataAbstract>;
 
-// A base class for Python. T: ActuationModelAbstract, or a class of this library.
+// A base class for actuations written in Python. T: ActuationModelAbstract, or an actuation class of this library.
 template <class T>
 class PyActuation : public T {
  public:
@@ -81,7 +81,7 @@ class PyActuation : public T {
   }
 };
 
-// Adds sparse matrices as dense ones: reading copies, and assignment takes a dense matrix.
+// Adds members that are sparse matrices: Python reads a dense copy, and assigns a dense matrix.
 template <class... Given>
 void add_matrices(Class<ActuationDataAbstract, ActuationData>& c, Given... given) {
   using D = ActuationDataAbstract;

@@ -6,7 +6,7 @@ namespace manycontact::python {
 
 namespace {
 
-// solver: by default the task's. each: called with each TaskIteration; False ends the solve, None does not.
+// Calls optimize. solver: by default that of the task. each: called with each TaskIteration; ends the solve by False.
 TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
                            std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;

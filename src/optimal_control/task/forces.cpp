@@ -12,7 +12,7 @@ namespace {
 
 using Forces = std::map<std::string, Eigen::VectorXd>;
 
-// Collects contact forces by name, in all subproblems of a node. Impacts are skipped: theirs are impulses.
+// Collects contact forces by name, in all subproblems of a node. Impacts are skipped, because they have impulses.
 void collect(const ActionModelAbstract& model, const ActionDataAbstract& data, Forces& out) {
   if (dynamic_cast<const ActionDataImpulseFwdDynamics*>(&data)) return;
   if (const auto* whole = dynamic_cast<const ActionDataParts*>(&data)) {

@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Whether a term needs all robots of its subproblem in one block.
+// Whether a term requires that all its robots are in one block.
 bool joins_its_robots(const TaskTerm& term) {
   switch (term.residual) {
     case TaskResidual::kJointEffort:
@@ -88,7 +88,7 @@ namespace task {
 
 namespace {
 
-// Makes the node of one block in a phase.
+// Makes the node of one block of robots in a phase, with the wrenches of couplings as additional controls.
 std::shared_ptr<ActionModelAbstract> block_of(const TaskFile& own, const TaskPhase& phase,
                                               const std::vector<WrenchEnd>& ends, bool terminal) {
   auto state = std::make_shared<StateMultibody>(own.scene.scene);

@@ -15,7 +15,7 @@ namespace manycontact::task {
 
 namespace {
 
-// Returns the bytes that are still available: the system's figure if it gives one, within the process's limit.
+// Returns the number of available bytes: that of /proc/meminfo, or all memory; at most the limit of the process.
 double available() {
   double out = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   std::ifstream file("/proc/meminfo");

@@ -4,7 +4,7 @@
 
 namespace manycontact::task {
 
-/// Throws InputError if data of nodes and solver would exceed the memory; creates one node of each kind to measure it.
+/// Throws InputError if data of nodes and solver would exceed the memory, which data of one node of each kind show.
 void require_memory(const TaskFile& task, const ShootingProblem::Models& running);
 
 /// Whether the dense Riccati recursions of the task's parts fit into memory, estimated roughly.

@@ -1,5 +1,5 @@
 #pragma once
-// The parts of nodes, phase by phase, and the residuals, activations and bounds of their terms.
+// Functions that make the nodes of a task file's phases, and the costs and constraints of its terms.
 
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"
@@ -10,7 +10,7 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// Actuates all coordinates except floating bases and passive joints; all coordinates if no robot has any of these.
+/// Returns ActuationModelFull if no robot has a floating base or passive joints, else an actuation of all other joints.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
 /// Makes the differential model of a phase. Throws InputError if a term does not fit.
@@ -23,7 +23,7 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; impacts: null without one
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one per phase; null: a phase without impact
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
@@ -31,17 +31,17 @@ struct Nodes {
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
 /// Returns the scene with a phase's contacts and external wrenches.
 Scene scene_in(const TaskFile& task, const TaskPhase& phase);
-/// Returns the number of dependent contact rows at x0, without damping (with which no row is dependent).
+/// Returns the number of linearly dependent contact rows at x0, computed without the scene's damping.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 
-/// Whether a contact that is active in the phase (or the terminal node) closed during the motion and fixes its frames
-/// where they were then: its placement error is not corrected.
+/// Whether a contact that is active in the phase (or in the terminal node) closed after the first phase, and constrains
+/// its frames to the placements at that time. Its placement error is then not corrected.
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact);
 
-/// Returns the torques of each phase: quasi-static at x0 without its velocity, or zero.
+/// Returns the guess of the torques in each phase: quasi-static torques at the configuration of x0, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 
-/// Makes nodes of coupled ActionModelParts, whose blocks are these groups of the task's robots.
+/// Makes the nodes as coupled ActionModelParts. Each block contains one of the given groups of the task's robots.
 Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
 
 // ---- terms
@@ -50,7 +50,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  std::shared_ptr<ActuationModelAbstract> actuation;  // null: an impact, which has terms of the state alone
+  std::shared_ptr<ActuationModelAbstract> actuation;  // null for an impact, whose terms depend on the state alone
   std::shared_ptr<ContactModelMultiple> contacts;
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };
@@ -58,7 +58,7 @@ struct Parts {
 /// Returns (q, v) of the scene's file.
 Eigen::VectorXd x0_of(const SceneFile& file);
 
-/// Add a term to the sums. Both throw std::invalid_argument if the term does not fit.
+/// Add the costs, or the constraints, of a term. Throw std::invalid_argument if the term does not fit the scene.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
 void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 

@@ -22,7 +22,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// Accuracy of tasks that converged: constraint violation, KKT residual.
+// Largest constraint violation and KKT residual of a task that converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 double median(std::vector<double> x) {
@@ -31,14 +31,14 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-// Times of whole passes [us], and failures in the steps along the last direction.
+// Times of passes over all nodes [us], and failures of the dynamics in steps along the last search direction.
 struct Passes {
   std::vector<double> forward, derivatives, backward;
   const TaskProblem& problem;
   std::vector<TaskFailure> failures = {};
 };
 
-// A solver that records its passes.
+// A solver that records the times of its passes.
 template <class Base>
 class Timed : public Base {
  public:
@@ -49,7 +49,7 @@ class Timed : public Base {
   double calcDiff() override {
     const Timer timer;
     const double cost = Base::calcDiff();
-    if (this->iter_ > 0) passes_.derivatives.push_back(timer.get_us_duration());  // the first evaluates the nodes too
+    if (this->iter_ > 0) passes_.derivatives.push_back(timer.get_us_duration());  // the first call also calls calc
     return cost;
   }
   void backwardPass() override {
@@ -69,7 +69,7 @@ class Timed : public Base {
   Passes& passes_;
 };
 
-// Records each iteration, and interrupts the solve if the caller asks for it.
+// Records each iteration, and interrupts the solve if TaskOptions::each returns false.
 class Record : public CallbackAbstract {
  public:
   Record(const TaskOptions& options, std::vector<TaskIteration>& iterations)
@@ -86,7 +86,7 @@ class Record : public CallbackAbstract {
   std::vector<TaskIteration>& iterations_;
 };
 
-// Resolves `auto`: make_problem has chosen the nodes by the number of operations.
+// Resolves kAuto: sparse if make_problem has divided the problem into blocks, else FDDP.
 TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   if (solver != TaskSolver::kAuto) return solver;
   return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
@@ -100,7 +100,7 @@ std::shared_ptr<SolverDDP> make_solver(TaskSolver solver, bool by_parts,
   return std::make_shared<Timed<SolverFDDP>>(problem, passes);
 }
 
-// Returns the gains of each cluster of the subproblems; clusters may change from node to node.
+// Returns the gains of each cluster (lq/plan.hpp) of the subproblems. Clusters may differ from node to node.
 std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   const std::size_t T = solver.get_problem()->get_T();
@@ -111,7 +111,7 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
         const auto [at, is_new] = known.emplace(own.dx, out.size());
         if (is_new) out.push_back({own.dx, {}, std::vector<Eigen::MatrixXd>(T)});
         TaskGains& gains = out[at->second];
-        if (gains.u.empty()) gains.u = std::move(own.u);  // impacts have none
+        if (gains.u.empty()) gains.u = std::move(own.u);  // impacts have no controls
         gains.K[t] = std::move(own.K);
       }
   }
@@ -137,7 +137,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-// One solve: its settings, solver and results.
+// One solve: its task, problem, settings and result.
 struct Run {
   const TaskFile& task;
   TaskProblem& problem;
@@ -177,7 +177,7 @@ struct Run {
 
   void with_constraints() {
     SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-    solver.set_penalty_init(task.step);  // same size as a running cost of weight 1
+    solver.set_penalty_init(task.step);  // the size of a running cost of weight 1, which is multiplied by the step
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
     solver.set_measures_scale(true);
@@ -186,7 +186,7 @@ struct Run {
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
     out.multipliers = solver.get_multipliers();
-    problem.problem->calc(out.xs, out.us);  // forces of couplings too
+    problem.problem->calc(out.xs, out.us);  // also computes the forces of couplings
     out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();
@@ -211,7 +211,7 @@ struct Run {
   }
 };
 
-// Solves again from the solution so far; iterations and times are added.
+// Solves again from the current solution. Iterations and times are added to those of the earlier solve.
 void go_on(Run& run) {
   const TaskSolution before = std::move(run.out);
   const TaskProblem guess{{}, {}, {}, {}, run.problem.xs, run.problem.us, {}, {}, run.problem.multipliers};
@@ -232,14 +232,14 @@ void go_on(Run& run) {
   run.problem.multipliers = guess.multipliers;
 }
 
-// Whether the solve ended where it began, at a zero gradient with nonzero cost.
+// Whether the solve ended at its guess, with a nonzero cost whose gradient is zero there.
 bool stayed_at_guess(const TaskSolution& s) {
   if (!s.converged || s.iterations.empty() || s.cost <= 0) return false;
   return s.iterations.front().stop <= 1e-14 * s.cost && std::abs(s.iterations.front().cost - s.cost) <= 1e-12 * s.cost;
 }
 
-// Whether the cost decreases near controls at which its gradient vanishes. Rollouts of a few small changes are
-// compared, within the limits if these are kept. Then `us` are the best controls, and `xs` the states that they cause.
+// Whether the cost decreases near controls us at which its gradient vanishes. Simulates a few small random changes of
+// us; limits: within the control limits. Sets us to the best controls, and xs to their states.
 bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
   constexpr int kTries = 4;
   constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
@@ -280,7 +280,7 @@ void leave_stationary_guess(Run& run) {
   go_on(run);
 }
 
-// Constraints that only bound torques are limits, which box solvers keep at every step.
+// Solves again with Box-FDDP: constraints that only bound torques become control limits, which every step satisfies.
 void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
   const TaskFile free = task::without_constraints(run.task);
   TaskProblem limited = make_problem(free, TaskSolver::kBoxFddp);
@@ -322,7 +322,7 @@ void take_dense_recursion(Run& run) {
   go_on(run);
 }
 
-// Adds to the reason what fails at the result or, if the solver found no step, in the last steps that it tried.
+// Adds failures of the dynamics to the reason: at the result, or in the last tried steps if no step was accepted.
 void tell_failures(Run& run) {
   TaskSolution& s = run.out;
   run.problem.problem->calc(s.xs, s.us);
@@ -344,7 +344,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   std::vector<task::TorqueBounds> bounds;
   const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
   const bool blocks = problem.blocks.size() > problem.parts.size() && task::dense_parts_fit(task);
-  const std::size_t all = run.most, methods = 1 + blocks + limits;  // which share the iterations
+  const std::size_t all = run.most, methods = 1 + blocks + limits;  // the methods share the iterations equally
   const std::size_t share = (all + methods - 1) / methods;
   const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };
   run.most = share;

@@ -64,7 +64,7 @@ bool is_goal(TaskResidual residual) {
 
 using ByName = std::map<std::string, PlanCost>;
 
-// Maps the names of a cost's copies to the cost of the file.
+// Maps the name of each cost in the problem to the task's term: a term of several robots is several named costs.
 std::map<std::string, const TaskTerm*> terms_by_item(const TaskFile& task) {
   std::map<std::string, const TaskTerm*> out;
   const auto add = [&](const TaskPhase& phase) {
@@ -132,7 +132,7 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
   return {"closes", contact.name, text + ", at " + show(c.speed) + " m/s", c.node};
 }
 
-// Adds nearly dependent rows at the first node of each set of active contacts.
+// Adds findings about nearly dependent contact rows, at the first node of each different set of active contacts.
 void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& us, std::vector<PlanFinding>& out) {
   const Scene& scene = task.scene.scene;
   const std::vector<TaskNode> nodes = timeline(task);

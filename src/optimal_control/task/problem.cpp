@@ -18,7 +18,7 @@ using task::Nodes;
 
 namespace {
 
-// Converts misuse of action models to errors of the input file.
+// Calls f, and converts std::invalid_argument of action models to InputError at the given line of the task file.
 template <class F>
 void blame(const TaskFile& task, int line, const F& f) {
   try {
@@ -46,7 +46,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
 namespace task {
 
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
-  std::size_t k = 0;  // contacts of the phase; the terminal node has those of the last phase
+  std::size_t k = 0;  // number of the phase; the terminal node has the contacts of the last phase
   while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
   while (k > 0 && task.phases[k - 1].active[contact]) --k;
   return k > 0 && !task.phases[k].at_scene;
@@ -125,8 +125,8 @@ std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
 
 namespace {
 
-// Makes state, actuation and differential models. With kSparse no data are created: the models are for inspection only,
-// since nodes of parts have models of their own.
+// Makes state, actuation and differential models. With kSparse the models are for inspection only: the nodes use other
+// models, one for each subproblem.
 TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   TaskProblem out;
   out.state = std::make_shared<StateMultibody>(task.scene.scene);
@@ -140,7 +140,7 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   return out;
 }
 
-// Returns the constraints, on its last state, of the phase that ends; null if none depends on the state alone.
+// Returns the constraints of phase `before` on its last state; null if no constraint depends on the state alone.
 std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, const TaskPhase& before,
                                                        const std::shared_ptr<StateMultibody>& state) {
   const task::Parts parts{task, state, nullptr, nullptr};
@@ -150,7 +150,7 @@ std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, con
   return out->get_constraints().empty() ? nullptr : out;
 }
 
-// Makes the impact between a phase and the next one's nodes, with the first one's constraints on the state.
+// Makes the impact between two phases, with the constraints on the state of the first phase.
 std::shared_ptr<ActionModelAbstract> impact_of(const TaskFile& task, const TaskPhase& before, const TaskPhase& phase,
                                                const std::shared_ptr<StateMultibody>& state) {
   const Scene& scene = task.scene.scene;
@@ -173,7 +173,7 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-// Divides a part's robots into blocks if couplings can join these and, for kAuto, if this costs less; else into one.
+// Divides a part's robots into blocks if couplings permit blocks and, with kAuto, if this takes fewer operations.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
   std::vector<std::vector<int>> blocks;
   if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
@@ -200,7 +200,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and their blocks, numbered within the part.
+// A part of the scene: its robots, and the blocks of these robots (numbers within the part).
 struct Part {
   std::vector<int> robots;
   TaskFile task;
@@ -217,7 +217,7 @@ std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
   return out;
 }
 
-// Makes a node of all the parts; without controls at an impact.
+// Makes one node, ActionModelParts, of all parts. The node of an impact has no controls.
 std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::vector<ActionPart> parts) {
   std::size_t nu = 0;
   for (const ActionPart& part : parts) nu += part.u.size();
@@ -234,7 +234,7 @@ MatrixStorage storage_of(const TaskFile& part) {
   return panel ? MatrixStorage::kPanel : MatrixStorage::kDense;
 }
 
-// Makes nodes and guess of every part, and joins them.
+// Makes the nodes and the guess of every part, and joins the nodes to ActionModelParts of the whole scene.
 void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
   const std::size_t phases = task.phases.size();
   std::vector<std::vector<ActionPart>> of_phases(phases), of_impacts(phases);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// Adds one term's numbers, which are repeated for each of its robots.
+// Intersects the bounds with those of one term, whose numbers are repeated for each of its robots.
 void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
   const Scene& scene = task.scene.scene;
   std::vector<int> rows;

@@ -4,17 +4,17 @@
 
 namespace manycontact::task {
 
-struct TorqueBounds {  // torque bounds of a phase's nodes: the scene's nu numbers, infinite where there are none
+struct TorqueBounds {  // Bounds of the torques in a phase: nu numbers of the scene, infinite for unbounded torques.
   Eigen::VectorXd lower, upper;
 };
 
-/// Whether all constraints are on `control` or `joint_effort` and can be met; then `bounds` are those of each phase.
+/// Whether all constraints bound `control` or `joint_effort`, and can be satisfied. Sets the bounds of each phase.
 bool bounds_torques_alone(const TaskFile& task, std::vector<TorqueBounds>& bounds);
 
 TaskFile without_constraints(TaskFile task);
 
-/// Makes the bounds (with solver box-fddp also the robots' efforts) the limits of the problem's nodes and of their
-/// parts, and moves its guess within them.
+/// Makes the bounds the control limits of the problem's nodes and of their parts (with solver box-fddp also the robots'
+/// effort limits). Moves the problem's guess within these limits.
 void limit_torques(const TaskFile& task, const std::vector<TorqueBounds>& bounds, TaskProblem& problem);
 
 }  // namespace manycontact::task

@@ -25,7 +25,7 @@ double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Ei
   return out;
 }
 
-// g and h are stacked in the order of the constraints' names.
+// Updates the worst violation of each constraint with the rows of one node. g, h are stacked in the order of names.
 void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   const Eigen::VectorXd& lower = terminal ? constraints.get_lb_T() : constraints.get_lb();

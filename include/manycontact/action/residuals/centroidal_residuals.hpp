@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// The common base: robots and their mass.
+/// The common base: contains the numbers of the robots, and their mass.
 class CentroidalResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -20,10 +20,10 @@ class CentroidalResidual : public NamedResidual {
                      Dependence on, int robot);
   int robot_;
   int first_, last_;  // numbers of the robots: first to last - 1
-  double mass_;       // mass of these robots [kg]
+  double mass_;       // total mass of robots first_ to last_ - 1 [kg]
 };
 
-/// The position of the centre of mass minus cref (3) [m], in the world.
+/// The position of the centre of mass (3) minus the reference cref [m], in the world.
 class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual, Eigen::Vector3d> {
  public:
   /// robot: its number; -1: the whole scene.

@@ -1,7 +1,7 @@
 #pragma once
-// Residuals of the force of one contact, in its own reference frame. The contact is that of the contact model on a
+// Residuals of the force of one contact, in the contact's reference frame. The constructors select the contact by its
 // frame. Names and constructors are Crocoddyl's; nu is nv by default. A residual is zero while the contact is inactive.
-// `fwddyn` exists for Crocoddyl's signatures and must be true, since forces are results in this library. Constructors
+// `fwddyn` must be true: this library has no inverse-dynamics formulation, in which forces are controls. Constructors
 // throw std::invalid_argument for a frame that does not exist.
 
 #include "manycontact/action/cones.hpp"
@@ -9,10 +9,10 @@
 
 namespace manycontact {
 
-/// Axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for point feet that tilt), or B'.
+/// The axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for rotating point feet), or B'.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
-/// Base class: r = B f - b. In the contact's axes, B and b depend only on the reference; in other axes on q, too.
+/// Base class of r = B f - b, with the contact force f. B, b depend on the reference, and without kContact on q, too.
 class ContactResidual : public FrameResidual {
  public:
   /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.
@@ -20,25 +20,25 @@ class ContactResidual : public FrameResidual {
   void lay_out(ResidualDataAbstract& data) const override;
   bool fits(const ResidualDataAbstract& data) const override;
 
-  /// Selects one of several contacts on that frame, by its name in ContactModelMultiple. Initially empty: the only one.
+  /// The name of the contact in ContactModelMultiple, if several contacts are on the frame. Empty: the only contact.
   const std::string& get_contact() const { return contact_; }
   void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
   bool is_fwddyn() const { return true; }                         // always true; Crocoddyl's signature
   ConeAxes get_axes() const { return axes_; }                     // the axes of the cone
-  /// Selects the cone's axes; initially kContact. Other values throw std::invalid_argument in a residual without cone.
+  /// Sets the cone's axes; initially kContact. A residual without cone throws std::invalid_argument for other axes.
   void set_axes(ConeAxes axes);
 
  protected:
-  /// Columns: unit wrenches of the contact's rows.
+  /// A matrix whose columns are the unit wrenches of the contact's rows, in the axes of the cone.
   using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6>;
 
   /// Throws std::invalid_argument for a frame that does not exist, or unless fwddyn is true.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
-  /// The reason why a contact of this type does not fit; empty if it fits. By default only 6D contacts do.
+  /// Why a contact of this type does not fit the residual; empty if it fits. By default only 6D contacts fit.
   virtual std::string misfit(ContactType type) const;
   virtual bool is_cone() const { return true; }  // whether the residual is that of a cone
-  /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. Both have the right sizes.
+  /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. B and b already have these sizes.
   virtual void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const = 0;
   ConeAxes axes_ = ConeAxes::kContact;
   std::string contact_;
@@ -48,7 +48,7 @@ class ContactResidual : public FrameResidual {
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The contact force minus fref (nc). Only the components of fref that the contact has are used.
+/// The contact force minus fref (nc). Components of fref that the contact does not transmit are not used.
 class ResidualModelContactForce : public ResidualWithReference<ContactResidual, Vec6<double>> {
  public:
   /// nc: number of rows of the contact.
@@ -61,7 +61,7 @@ class ResidualModelContactForce : public ResidualWithReference<ContactResidual, 
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
 };
 
-/// A f of a friction cone, with f the linear force (nf + 1 rows).
+/// The rows A f of a friction cone (nf + 1), where f is the linear force.
 class ResidualModelContactFrictionCone : public ResidualWithReference<ContactResidual, FrictionCone> {
  public:
   /// fref: the cone, whose number of facets remains.
@@ -75,7 +75,7 @@ class ResidualModelContactFrictionCone : public ResidualWithReference<ContactRes
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
 };
 
-/// A f of a wrench cone, with f the wrench of a 6D contact (nf + 13 rows).
+/// The rows A f of a wrench cone (nf + 13), where f is the wrench of a 6D contact.
 class ResidualModelContactWrenchCone : public ResidualWithReference<ContactResidual, WrenchCone> {
  public:
   /// fref: the cone, whose number of facets remains.
@@ -88,7 +88,7 @@ class ResidualModelContactWrenchCone : public ResidualWithReference<ContactResid
   void form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const override;
 };
 
-/// A f of a support polygon, with f the wrench of a 6D contact (4 rows).
+/// The 4 rows A f of a rectangular support for the centre of pressure, where f is the wrench of a 6D contact.
 class ResidualModelContactCoPPosition : public ResidualWithReference<ContactResidual, CoPSupport> {
  public:
   /// cref: the support polygon.

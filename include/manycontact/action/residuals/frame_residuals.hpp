@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-/// The common base: a frame.
+/// The common base: contains the frame's number.
 class FrameResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -24,7 +24,7 @@ class FrameResidual : public NamedResidual {
   FrameIndex id_;
 };
 
-/// The placement error log6(pref^-1 oMf) (6), in the reference's axes.
+/// The placement error log6(pref^-1 oMf) (6) [m, rad] of the frame's placement oMf in the world, in the axes of pref.
 class ResidualModelFramePlacement : public ResidualWithReference<FrameResidual, SE3<double>> {
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
@@ -52,7 +52,7 @@ class ResidualModelFrameTranslation : public ResidualWithReference<FrameResidual
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The rotation error log3(Rref^T R) (3) [rad].
+/// The rotation error log3(Rref^T R) (3) [rad] of the frame's rotation R in the world.
 class ResidualModelFrameRotation : public ResidualWithReference<FrameResidual, Eigen::Matrix3d> {
  public:
   /// Throws std::invalid_argument for a frame that does not exist.
@@ -66,7 +66,7 @@ class ResidualModelFrameRotation : public ResidualWithReference<FrameResidual, E
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The frame's spatial velocity [linear; angular] minus vref (6), both in the axes of `type`.
+/// The frame's spatial velocity [linear; angular] minus vref (6) [m/s, rad/s], in the axes of the frame `type`.
 class ResidualModelFrameVelocity : public ResidualWithReference<FrameResidual, Vec6<double>> {
  public:
   /// Throws std::invalid_argument for a frame that does not exist.

@@ -1,13 +1,13 @@
 #pragma once
-// Torques minus those that keep the scene at rest under gravity, external wrenches and springs. g(q) are the torques
-// that compensate gravity, and tau_s(q) those of the external wrenches and springs at rest. Names and constructors are
-// Crocoddyl's, which has no tau_s; nu is nv by default, and zero throws std::invalid_argument.
+// Torques minus the torques that keep the scene at rest under gravity, external wrenches and springs. The torques g(q)
+// compensate gravity. External wrenches and springs exert the torques tau_s(q) at rest (not in Crocoddyl). Names and
+// constructors are Crocoddyl's; nu is nv by default, and nu = 0 throws std::invalid_argument.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// The common base.
+/// The common base of both residuals.
 class GravityResidual : public NamedResidual {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;

@@ -1,5 +1,5 @@
 #pragma once
-// Residuals of impulses. Names and constructors are Crocoddyl's. For the impulses themselves use the residuals of
+// Residuals of nodes with an impact. Names and constructors are Crocoddyl's. For residuals of impulses use those of
 // contact forces: ResidualModelContactForce, ...FrictionCone, ...WrenchCone, ...CoPPosition.
 
 #include "manycontact/action/residuals/centroidal_residuals.hpp"

@@ -22,7 +22,7 @@ class ResidualModelState : public ResidualWithReference<NamedResidual, Eigen::Ve
   void fill_blocks(ResidualDataAbstract& data, const ConstVectorRef& x, const ConstVectorRef& u) const override;
 };
 
-/// The common base of u - uref (nu).
+/// The common base of residuals u - uref (nu).
 class ControlResidual : public ResidualWithReference<NamedResidual, Eigen::VectorXd> {
  public:
   void lay_out(ResidualDataAbstract& data) const override;
@@ -50,7 +50,7 @@ class ResidualModelControl : public ControlResidual {
 /// The error u - uref of joint efforts (nu). In forward dynamics, as in Crocoddyl, the efforts are the controls.
 class ResidualModelJointEffort : public ControlResidual {
  public:
-  /// nu must be that of the actuation. fwddyn exists for Crocoddyl's signature and has no effect.
+  /// nu must be the actuation's number of controls. fwddyn exists for Crocoddyl's signature and has no effect.
   ResidualModelJointEffort(std::shared_ptr<StateAbstract> state, std::shared_ptr<ActuationModelAbstract> actuation,
                            const Eigen::VectorXd& uref, std::size_t nu = kDefaultNu, bool fwddyn = false);
   /// Uses uref = 0.

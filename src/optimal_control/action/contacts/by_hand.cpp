@@ -1,4 +1,4 @@
-// Standalone evaluation of contacts and impulses, as in Crocoddyl: at a given motion.
+// Standalone evaluation of contacts and impulses, as in Crocoddyl: without an action model, at a given motion.
 
 #include "../named.hpp"
 #include "contact_columns.hpp"
@@ -24,7 +24,7 @@ internal::EndColumns columns_of(const Scene& scene, const Contact& contact) {
   return {scene.robots[contact.A.robot].idx_v, contact.B.robot >= 0 ? scene.robots[contact.B.robot].idx_v : 0};
 }
 
-struct Rows {  // constraint rows of a contact at a motion
+struct Rows {  // The constraint rows of a contact at a motion.
   Rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion)
       : support(contact_support(scene, contact)), at(contact, support) {
     contact_rows<double>(scene, contact, support, motion[contact.A.robot], of_B(contact, motion), at);
@@ -43,7 +43,7 @@ Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstra
   return rows;
 }
 
-// Computes d(J a + a0)/d[q | v] at the motion; terms: derivatives of RNEA there.
+// Computes d(J a + a0)/d[q | v] at the motion. terms: derivatives of inverse dynamics (RNEA) at the same motion.
 void differentiate_rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion,
                         const std::vector<RneaDerivatives>& terms, Eigen::MatrixXd& out) {
   const Rows rows(scene, contact, motion);
@@ -55,7 +55,7 @@ void differentiate_rows(const Scene& scene, const Contact& contact, const std::v
   internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
 }
 
-// Allocates the data of one contact, and sets their views.
+// Allocates the data of one contact, and sets the views df_dx, df_du.
 void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDataAbstract& data) {
   const Eigen::Index nc = contact.rows(), n = static_cast<Eigen::Index>(nv);
   data.own_contact = contact;
@@ -151,7 +151,7 @@ void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, Multi
   data.fext.resize(joints);
 }
 
-// Sets the forces of the active parts (nc rows), zeros for the others, and the sums by body.
+// Sets the forces of the active contacts (nc rows), zero forces of inactive contacts, and the sum for each body.
 template <class Parts, class Data>
 void update_forces(const char* where, const char* what, const Parts& parts, std::size_t nc,
                    const std::shared_ptr<Data>& data, const Eigen::VectorXd& force) {
@@ -282,7 +282,7 @@ void ImpulseModelAbstract::calc(const DataPtr& data, const ConstVectorRef&) cons
   (void)take_rows(m, contact_->get_contact(), *data);
 }
 
-// d(J v)/dq is the derivative of a contact's J a + a0 at rest, without gravity, with the accelerations a = v.
+// Computes d(J v)/dq as the derivative of a contact's J a + a0 at zero velocity, zero gravity and accelerations a = v.
 void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calcDiff", check_data("ImpulseModel::calcDiff", data));
   std::vector<Kinematics<double>> motion = m.motion;

@@ -21,7 +21,7 @@ const char* class_name(ContactType type) {
   return names[static_cast<int>(type)];
 }
 
-// Returns the first frame on the body of an attachment, or frames.size() if there is none.
+// Returns the number of the first frame on the attachment's body, or frames.size() if the body has no frame.
 FrameIndex frame_on(const StateMultibody& state, const Attachment& at) {
   const auto& frames = state.get_model()->frames;
   for (std::size_t k = 0; k < frames.size(); ++k)

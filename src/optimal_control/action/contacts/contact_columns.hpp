@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// The columns of the first velocity coordinates of A's robot and of the robot of B'.
+/// The first columns of A's robot and of the robot of B' in a matrix with one column per velocity coordinate.
 struct EndColumns {
   int a = 0, b = 0;
 };
@@ -19,7 +19,7 @@ void each_column(const EndColumns& first, const ContactSupport& support, Use&& u
   for (const int i : support.b) use(first.b + i, k++);
 }
 
-/// Computes out = [da0/dq | da0/dv], of out.cols() / 2 columns each, from the rows and their derivatives at one motion.
+/// Computes out = [da0/dq | da0/dv] from the rows and their derivatives. Each half has out.cols() / 2 columns.
 void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
                            const ContactDerivatives& d, Eigen::MatrixXd& out);
 
@@ -32,7 +32,7 @@ inline bool have_same_rows(const Contact& a, const Contact& b) {
          a.A.placement.p == b.A.placement.p && a.A.placement.R == b.A.placement.R;
 }
 
-/// Sets the columns of P to the unit wrenches of a contact's rows, in its reference frame.
+/// Sets the columns of P to the unit wrenches of a contact's rows, in the contact's reference frame.
 template <class Wrenches>
 void unit_wrenches(ContactType type, const Vec3<double>& axis, Wrenches& P) {
   P.setZero(6, contact_rows(type));

@@ -171,7 +171,7 @@ void Model_::calc(const DataPtr& data, const ConstVectorRef& x) {
   d.stage = Stage::kTerminal;
 }
 
-// Throws unless calc was called before in this stage, with the same active contacts, costs and constraints.
+// Throws std::logic_error unless the last calc had the same stage, active contacts, costs and constraints.
 void Model_::check_stage(const Data& d, Stage stage) const {
   internal::check_stage(kDifferentialActionModelContactFwdDynamics,
                         d.stage == stage && d.contacts_version == contacts_->get_version() &&
@@ -211,7 +211,7 @@ bool Model_::needs_forces() const {
   return needed;
 }
 
-// Computes u from the actuation's torques linearised at u = 0.
+// Computes quasi-static controls u, with the actuation's torques linearised at u = 0.
 void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
   constexpr const char* kWhere = "DifferentialActionModelContactFwdDynamics::quasiStatic";
   check_size(kWhere, "u", u.size(), nu_);
@@ -222,7 +222,7 @@ void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef&
   u.setZero();
   actuation_->calc(m.actuation, x, u);
   actuation_->calcDiff(m.actuation, x, u);
-  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // a solver's trial may be unusable
+  if (!unusable_configuration("q", x.head(m.scene.nq), m.scene).empty()) {  // e.g. x of a rejected trial step
     u.setConstant(std::numeric_limits<double>::quiet_NaN());
     return;
   }

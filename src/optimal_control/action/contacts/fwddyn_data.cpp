@@ -1,4 +1,4 @@
-// Data of DifferentialActionModelContactFwdDynamics, and the layout that changes with the islands.
+// Data of DifferentialActionModelContactFwdDynamics, and the rows and columns that change with the contact islands.
 
 #include <map>
 
@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// Makes the scene to solve: the state's robots with the armature of `models`, and the contacts in the order of names.
+// Makes the scene to solve: the state's robots with the given models, and the contacts in the order of their names.
 Scene scene_of(const DifferentialActionModelContactFwdDynamics& model,
                const std::vector<std::shared_ptr<const Model>>& models) {
   Scene scene = model.get_model().scene();
@@ -133,7 +133,7 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
       for (int k = 0; how == Actuation::kActuated && k < robot.model->nu(); ++k) columns.u.push_back(robot.idx_u + k);
     }
     if (how == Actuation::kAll) columns.u = columns.v;
-    if (how == Actuation::kCustom) {  // a custom actuation may couple everything
+    if (how == Actuation::kCustom) {  // a custom actuation may couple all coordinates
       columns.x = range(0, 2 * nv);
       columns.u = range(0, nu);
     } else {

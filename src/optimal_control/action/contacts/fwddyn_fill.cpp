@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns the first columns of both ends: the columns of the data are those of A's robot, then those of B'.
+// Returns the first columns of A's robot and of the robot of B' in a contact's data: A's columns come first.
 EndColumns columns_of(const Scene& scene, const Contact& contact) {
   const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
   return {0, two ? scene.robots[contact.A.robot].model->nv : 0};

@@ -1,17 +1,17 @@
 #pragma once
-// Steps of DifferentialActionModelContactFwdDynamics: exchange between its parts and the solved scene.
+// Functions of DifferentialActionModelContactFwdDynamics that copy between contact models, data and the solved scene.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
 namespace manycontact::internal {
 
-/// Returns the scene's models with the given armature (nv). Models that have this armature already are shared.
+/// Returns the robots' models with the given armature (nv). Models that already have this armature are not copied.
 std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scene, const Eigen::VectorXd& armature);
 
 /// Writes the contact models' references, gains and status into the scene and the solution. Returns false if new
 /// SceneData are needed because the structure of the rows has changed.
 bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution);
-/// Whether the data have the frames of the contact models. (Another frame may be on the same body.)
+/// Whether the data were made for the present frames of the contact models (not only for the same bodies).
 bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
 
 /// Sets the rows and columns of the islands, and the patterns of Fx and Fu.
@@ -23,15 +23,15 @@ void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 void fill_contacts(DataCollector& m);
 /// Sets da0_dx of each active contact and, with `forces`, the views df_dx, df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
-/// Fills Fx, Fu and their sparse counterparts from the islands' panels.
+/// Copies the islands' panels to Fx, Fu, dense or sparse as the storage requires.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
-enum class Actuation { kActuated, kAll, kCustom };  // u: actuated coordinates, all coordinates, or a general tau(x, u)
+enum class Actuation { kActuated, kAll, kCustom };  // u: torques of actuated, of all coordinates; or any tau(x, u)
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
   return kind(actuation, scene) != Actuation::kActuated;
 }
-/// Sets m.custom of a custom actuation: derivatives with respect to x and u, from those with respect to the torques.
+/// Computes m.custom for a custom actuation: derivatives by x and u, from derivatives by torques and dtau/d(x, u).
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
 
 }  // namespace manycontact::internal

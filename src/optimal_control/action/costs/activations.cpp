@@ -66,7 +66,7 @@ ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::Ve
 
 namespace {
 
-// How far r is outside its bounds, with sign; zero inside.
+// Returns the signed distance of r_i from its bounds: negative below, positive above, zero within.
 double outside(const ActivationBounds& b, const ConstVectorRef& r, Eigen::Index i) {
   return std::min(r[i] - b.lb[i], 0.0) + std::max(r[i] - b.ub[i], 0.0);
 }

@@ -25,12 +25,12 @@ bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1
 // Workspace for one group of costs.
 struct Scratch {
   std::vector<double> L, R;  // row-major: L = [Rx Ru], R = [w Arr Rx, w Arr Ru, w Ar]
-  std::vector<double> H;     // L^T R; its last column is the gradient
+  std::vector<double> H;     // L^T R: Hessian, and the gradient in the last column
 };
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
 
-// Throws std::invalid_argument if a user's calcDiff has resized the derivatives.
+// Throws std::invalid_argument if a user-defined calcDiff has resized the cost's derivatives.
 void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool terminal) {
   const Eigen::Index nx = out.Lx.size(), nu = out.Lu.size();
   const auto is = [](const Eigen::MatrixXd& M, Eigen::Index rows, Eigen::Index cols) {
@@ -41,7 +41,7 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
           "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
 
-// Copies the upper triangle of a symmetric matrix to the lower one; ld: a multiple of eight.
+// Copies the upper triangle of a symmetric row-major matrix H to the lower triangle. ld: row length, multiple of eight.
 void mirror(double* H, int n, int ld) {
   using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
   using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;
@@ -66,7 +66,7 @@ void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, 
   for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
 }
 
-// Gathers the group's rows in L and R, without those of zero weight (inactive barriers). Returns their number.
+// Copies the group's rows into L and R, without rows of zero weight (inactive barriers). Returns the number of rows.
 int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
   int depth = 0;
   for (const CostGroup::Member& member : g.members) {
@@ -191,7 +191,7 @@ void CostGroups::add_own(const std::vector<double>& weights, bool terminal, Cost
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
   add_own(weights, terminal, out);
-  thread_local Scratch work;  // shared by all nodes that a thread evaluates: it stays in the cache
+  thread_local Scratch work;  // one workspace for all nodes that a thread evaluates, so that it remains in the cache
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);
   if (work.H.size() < widest_ * widest_) work.H.resize(widest_ * widest_);

@@ -19,7 +19,7 @@ double facet_mu(double mu, std::size_t nf, bool inner) {
   return inner ? mu * std::cos(std::numbers::pi / static_cast<double>(nf)) : mu;
 }
 
-// Sets two rows +-(moment about `axis`) - side/2 f_z, which are <= 0; zeros for an infinite side.
+// Sets the two rows of +-(moment about `axis`) - side/2 f_z <= 0; they are zero for an infinite side.
 template <class Rows>
 void pressure_rows(const Eigen::Matrix3d& R, double side, int axis, Rows&& A) {
   A.setZero();
@@ -111,7 +111,7 @@ void WrenchCone::update() {
   ub_[n] = get_max_nforce();
   pressure_rows(R, box_[1], 0, A_.middleRows<2>(n + 1));
   pressure_rows(R, box_[0], 1, A_.middleRows<2>(n + 3));
-  // Yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015): four lower bounds, then four upper ones.
+  // Yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015): four lower bounds, then four upper bounds.
   const double L = box_[0] / 2, W = box_[1] / 2;
   if (!std::isfinite(L + W)) return;
   const double mu = facet_mu(get_mu(), get_nf(), get_inner_appr());

@@ -16,7 +16,7 @@ inline std::size_t nu_or_default(const std::shared_ptr<StateAbstract>& state, st
   return nu == kDefaultNu ? nv : nu;
 }
 
-/// The state of a residual whose constructor takes a StateMultibody.
+/// Casts the state of a residual whose constructor takes a StateMultibody to that class.
 inline const StateMultibody& multibody(const std::shared_ptr<StateAbstract>& state) {
   return static_cast<const StateMultibody&>(*state);
 }
@@ -29,7 +29,7 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
   return frames[id];
 }
 
-/// Casts the data of a residual to the class of its createData.
+/// Casts the data of a residual to the class Data that the residual's createData creates.
 template <class Data>
 Data& own(ResidualDataAbstract& data) {
   return static_cast<Data&>(data);

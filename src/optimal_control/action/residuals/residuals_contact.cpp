@@ -17,15 +17,15 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // set by lay_out: unit wrenches of the contact's rows
   Eigen::MatrixXd B;                                    // set by calc
   Eigen::VectorXd b;                                    // set by calc
-  // Members that are used if the cone's axes are not the contact's.
+  // The following members are used if the cone's axes are not kContact.
   std::vector<int> columns;  // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B' robot
   Mat3<double> oRX, oRF;     // set by calc: rotations to the world of the cone's axes X and the force's axes F
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3
-  Eigen::MatrixXd B_turned;                                  // nr x 3
-  Mat6X<double> J;                                           // used for one end at a time; its size is enough for both
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3: derivative of the wrench by a rotation
+  Eigen::MatrixXd B_turned;                                  // nr x 3: derivative of r by a rotation
+  Mat6X<double> J;                                           // workspace: frame Jacobian of A or of B'
 };
 
-// Returns the axes of A, or of B', in the world.
+// Returns the rotation to the world of an attachment's frame, A or B'.
 Mat3<double> axes_of(const DataCollector& shared, const Attachment& at) {
   if (at.robot < 0) return at.placement.R;
   const SE3<double>& base = shared.scene.robots[at.robot].base;
@@ -42,7 +42,7 @@ void find_axes(const Contact& contact, ConeAxes axes, ContactResidualData& d) {
                                      : Mat3<double>(Mat3<double>::Identity());
 }
 
-// Appends, for each velocity coordinate of the robot, the column of Rx that belongs to its q, or -1 if there is none.
+// Appends for each velocity coordinate of the robot the column of Rx for its q, or -1 if Rx has no such column.
 void find_columns(const DataCollector& shared, int robot, const std::vector<int>& x_columns, std::vector<int>& out) {
   const Robot& r = shared.scene.robots[robot];
   for (int i = 0; i < r.model->nv; ++i) {
@@ -51,7 +51,7 @@ void find_columns(const DataCollector& shared, int robot, const std::vector<int>
   }
 }
 
-// Adds sign B_turned th_i to Rx; th_i: derivative of the end's rotation by coordinate i of its robot, in world axes.
+// Adds sign B_turned th_i to Rx, where th_i is the derivative of the attachment's rotation by q_i of its robot.
 void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
   const Robot& robot = d.shared->scene.robots[at.robot];
   auto J = d.J.leftCols(robot.model->nv);
@@ -61,7 +61,7 @@ void add_turning(const Attachment& at, double sign, const int* columns, ContactR
     if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(J.col(i).tail<3>());
 }
 
-// Computes out = B df. Many entries of B are zero.
+// Computes out = B df, and skips zero entries of B, which are many.
 void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out) {
   out.setZero();
   for (Eigen::Index i = 0; i < B.rows(); ++i)
@@ -133,7 +133,7 @@ void ContactResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&
     return;
   }
   const Contact& contact = *d.contact->contact;
-  internal::unit_wrenches(contact.type, contact.axis, d.P);  // an axis may have changed
+  internal::unit_wrenches(contact.type, contact.axis, d.P);  // the contact's axis may have changed since lay_out
   if (axes_ != ConeAxes::kContact) {
     find_axes(contact, axes_, d);
     const Mat3<double> turn = d.oRX.transpose() * d.oRF;
@@ -150,7 +150,7 @@ void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
-  // The wrench in the world is w = oRF P_F f. Rotations th change r = A oRX^T w by A oRX^T (th_F - th_X) x w.
+  // World wrench: w = oRF P f. Rotations th of the axes F, X change r = A oRX^T w by A oRX^T (th_F - th_X) x w.
   const Contact& contact = *d.contact->contact;
   const Vec6<double> in_cone = d.P * d.contact->f;
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();

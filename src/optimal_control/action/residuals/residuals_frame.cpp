@@ -18,11 +18,11 @@ struct FrameResidualData : ResidualDataAbstract {
   const SE3<double>& base() const { return shared->scene.robots[frame->robot].base; }
   const Model& model() const { return *shared->scene.robots[frame->robot].model; }
   SE3<double> oMf() const { return frame_placement<double>(kin(), base(), frame->joint, frame->placement); }
-  // Placement in the robot's tree frame. The frame must not be fixed to the base.
+  // The frame's placement in the robot's tree frame. The frame must not be fixed to the base.
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
-// Shifts [linear; angular] to the point p, with unchanged axes.
+// Returns the spatial velocity m = [linear; angular] at the point p instead of the origin, with unchanged axes.
 Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
   Vec6<double> out = m;
   out.head<3>() -= p.cross(m.tail<3>());
@@ -122,8 +122,8 @@ void ResidualModelFrameVelocity::evaluate(ResidualDataAbstract& data, const Cons
   data.r = v - reference_;
 }
 
-// Derivatives in the tree frame, with S = S_i, v the body's velocity and v_p the velocity of the parent of i's joint:
-//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame itself moves with S, which cancels S x v.
+// Derivatives in the tree frame, with S = S_i, the body's velocity v, and the velocity v_p of the parent of joint i:
+//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame also moves with S, which cancels the term S x v.
 void ResidualModelFrameVelocity::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                              const ConstVectorRef&) const {
   auto& d = internal::own<FrameResidualData>(data);

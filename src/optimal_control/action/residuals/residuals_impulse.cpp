@@ -7,7 +7,7 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  std::vector<std::vector<Vec6<double>>> v, h;  // body velocities and subtree momenta of w, per robot and joint
+  std::vector<std::vector<Vec6<double>>> v, h;  // body velocities, subtree momenta of motion w, by robot and joint
   Eigen::VectorXd w;                            // nv: v+ - v
   Eigen::MatrixXd Jcom;                         // 3 x nv
 };
@@ -41,7 +41,7 @@ void ResidualModelImpulseCoM::evaluate(ResidualDataAbstract& data, const ConstVe
   d.r.noalias() = d.Jcom.lazyProduct(d.w);
 }
 
-// m d(J_com w)/dq_i at constant w is the linear part of S x* h + Yc (v_p x S), with v and h of the motion w.
+// Computes m d(J_com w)/dq_i at constant w: the linear part of S x* h + Yc (v_p x S), with v and h for velocities w.
 void ResidualModelImpulseCoM::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                           const ConstVectorRef&) const {
   auto& d = internal::own<ImpulseCoMData>(data);

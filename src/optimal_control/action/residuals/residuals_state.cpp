@@ -18,7 +18,7 @@ void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<in
   block.constant = true;
 }
 
-// Returns the state if its differences are known joint by joint, else nullptr: a derived class may have other ones.
+// Returns the state if it is StateMultibody itself, else nullptr: derived classes may define other differences.
 const StateMultibody* exact_multibody(const StateAbstract& state) {
   return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
 }
@@ -40,7 +40,7 @@ ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, con
 ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelState(state, internal::given(state).zero(), nu) {}
 
-// Makes a block for the q of each joint, followed by one for each coordinate of its v.
+// Makes one block for the q of each joint, then one block for each velocity coordinate of this joint.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
   const auto* multibody = exact_multibody(*state_);
   if (!multibody) return ResidualModelAbstract::lay_out(data);

@@ -48,7 +48,7 @@ bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
   return d && model_->checkData(d->inner);
 }
 
-// An active row adds d (y + y+) / 2, where d = c - (the bound that y+ belongs to); an inactive row -y^2 / (2 rho).
+// Adds d (y + y+) / 2 to the cost for an active row (y+ /= 0), where d = c - bound; -y^2 / (2 rho) for an inactive row.
 void ActionModelAugmentedLagrangian::evaluate(ActionDataAugmentedLagrangian& d, const ConstVectorRef& x,
                                               const ConstVectorRef* u) {
   u ? model_->calc(d.inner, x, *u) : model_->calc(d.inner, x);

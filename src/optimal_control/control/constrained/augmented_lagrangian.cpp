@@ -24,20 +24,20 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-constexpr double kProgress = 0.1;  // the penalty grows unless a minimisation reduces m to this share
-constexpr double kHoped = 0.3;     // expected reduction of m by the next minimisation; tolerable relative error of m
+constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this share of m
+constexpr double kHoped = 0.3;     // m is expected to be this multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr std::size_t kPolishing = 20;  // iterations if reductions are below the cost's rounding error
+constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
-constexpr int kFlat = 2;                // consecutive minimisations that bring the constraints no closer
-constexpr double kCloser = 0.5;         // the violation decreased if below this share; ten times the penalty gives 0.1
-constexpr double kOutweighs = 10;       // constraints outweigh the cost if they add at least this multiple of it
-constexpr double kStationary = 1e-3;    // a step gains nothing below this share of what constraints add to the cost
-constexpr int kWindow = 10;             // a minimisation is tested for slow convergence after every so many iterations
-constexpr double kSlow = 0.1;           // slow: `stop` is above this share of its value two iterations before,
-constexpr double kStillSlow = 0.3;      // and above this share of its value one iteration before
-constexpr double kNearer = 0.1;         // quasi-Newton steps are retried below this share of `stop` at their failure
-constexpr double kCrawl = 0.01;         // least useful reduction, as a share of what constraints add to the cost
+constexpr int kFlat = 2;                // consecutive minimisations without a smaller violation that start the searches
+constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
+constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
+constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
+constexpr int kWindow = 10;             // number of iterations between tests of a minimisation for slow convergence
+constexpr double kSlow = 0.1;           // slow: `stop` is above this multiple of its value two iterations before,
+constexpr double kStillSlow = 0.3;      // and above this multiple of its value one iteration before
+constexpr double kNearer = 0.1;         // quasi-Newton steps are retried below this multiple of `stop` at their failure
+constexpr double kCrawl = 0.01;         // least useful reduction, as a share of the constraints' terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -49,7 +49,7 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// Returns the expected reduction that ends a minimisation after one with m: its error moves constraints by 0.09 m.
+// Returns the expected reduction that ends a minimisation: constraints then have errors of about 0.09 m (previous m).
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
@@ -130,7 +130,7 @@ void SolverAugmentedLagrangian::start(const Vectors& init_xs, const Vectors& ini
 }
 
 void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
-  // Steps are accepted untested if their expected gain is below the cost's rounding error.
+  // Steps with an expected reduction below the cost's rounding error are accepted without a test (th_grad).
   const double rounding = 100 * kEps * std::abs(outer_ == 0 ? cost_ : inner_->get_cost());
   inner_->set_th_grad(std::isfinite(rounding) ? std::max(1e-12, rounding / scale_) : 1e-12);
   inner_->set_th_stop(tolerance_ / scale_);
@@ -142,7 +142,7 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   descend(reported_ + most, init_reg);
 }
 
-// Minimises with the unconstrained solver. If it is slow, its quasi-Newton steps take over until they fail.
+// Minimises by Gauss-Newton steps. When these steps are slow, quasi-Newton steps (SolverDDP::descend) continue.
 void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
   for (;; init_reg = NAN) {
     if (curved_) {
@@ -169,7 +169,7 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// After a step the nodes' data belong to the candidate, otherwise to the last trial step.
+// Reports an iteration. The violation is measured after accepted steps only; else nodes' data are of a rejected step.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -193,7 +193,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
 
-// Whether Gauss-Newton steps are slow, although a minimum is near enough for fast ones.
+// Whether Gauss-Newton steps converge slowly, and `stop` is small enough to try quasi-Newton steps (again).
 bool SolverAugmentedLagrangian::isSlow() {
   slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
           stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
@@ -201,7 +201,7 @@ bool SolverAugmentedLagrangian::isSlow() {
   return slow_;
 }
 
-// Whether kWindow iterations reduced neither the augmented Lagrangian nor the violation: another penalty may help.
+// Whether kWindow iterations hardly reduced the augmented Lagrangian and the violation: the minimisation then ends.
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
@@ -211,17 +211,17 @@ bool SolverAugmentedLagrangian::crawls() {
   return crawls_;
 }
 
-// Sets gfeas, hfeas and the violation from the nodes as evaluated.
+// Computes gfeas, hfeas and the violation from the evaluated nodes.
 void SolverAugmentedLagrangian::measureViolation() {
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Computes violation, m and KKT residual at the candidate, with y+ and the value function's gradients as multipliers
-// (an adjoint recursion's grow with unstable motions). The augmented Lagrangian has the Lagrangian's gradient at y+.
+// Computes violation, m and KKT residual at the candidate, with the multipliers y+ of the constraints and Vx of the
+// dynamics. (Multipliers by an adjoint recursion would grow for unstable motions.)
 void SolverAugmentedLagrangian::assess() {
-  if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // else computeDirection does
+  if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // computeDirection calls calc itself at iteration 0
   inner_->set_preg(inner_->get_reg_min() * scale_);
   inner_->computeDirection(true);
   collectParts();
@@ -269,7 +269,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
 
-// Whether kFlat consecutive settled minimisations, dominated by the constraints, did not reduce the violation.
+// Whether kFlat consecutive minimisations with dominating constraints ended without a smaller violation.
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
   const double added = merit_ - cost_;
   const bool settled =
@@ -290,7 +290,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
     curved_ = false;
   } else if (const double least = rho_init_ * std::min(scale_, kkt_scale_);
              small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > least) {
-    // The constraints' rounding errors, times the penalty, are errors of the multipliers: these need a smaller penalty.
+    // Multipliers have errors of rho times the constraints' rounding errors, which a smaller penalty rho reduces.
     set_penalty(std::max(rho_ / rho_factor_, least));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,

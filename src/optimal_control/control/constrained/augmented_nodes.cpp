@@ -1,4 +1,4 @@
-// The problem's nodes within the augmented Lagrangian, and their multipliers.
+// Makes the nodes of the augmented Lagrangian from the problem's nodes, and reads or sets their multipliers.
 
 #include <algorithm>
 
@@ -27,7 +27,7 @@ AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Ei
   return {model, data};
 }
 
-// Builds a node of parts again, in which the parts with constraint rows are augmented.
+// Makes a copy of a node of subproblems. Subproblems with constraint rows are augmented.
 AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
                            const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                            std::vector<Augmented>& out) const {
@@ -45,8 +45,8 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   return {model, model->createData(std::move(datas))};
 }
 
-// Nodes without constraint rows are unchanged unless augments_all_ is set; nodes without matrices are never changed.
-// rows: indices of the rows of this node, or subproblem, among those of the problem's node.
+// Augments a node or a subproblem. Without constraint rows it is returned unchanged, unless augments_all_ is set and it
+// has dense matrices. rows: indices of its rows among the rows of the problem's node.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());
@@ -82,7 +82,7 @@ bool AL::is_decorated() const {
   return true;
 }
 
-// Builds augmented_ and nodes_. Node t keeps its multipliers if its number of constraints has not changed.
+// Makes augmented_ and nodes_. Node t keeps its multipliers if its number of constraints has not changed.
 void AL::decorate() {
   const std::size_t T = problem_->get_T();
   const Multipliers multipliers = get_multipliers();
@@ -169,7 +169,7 @@ void collect_values_of(const ActionModelAbstract& model, const std::shared_ptr<A
 
 }  // namespace
 
-// Collects the values of nodes whose subproblems were evaluated separately.
+// Collects cost, xnext, g, h of the problem's nodes from their subproblems, which the augmented nodes have evaluated.
 void AL::collectParts() {
   for (const Node& node : nodes_) collect_values_of(*node.own.model, node.own.data);
 }

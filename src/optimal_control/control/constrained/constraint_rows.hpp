@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Constraint rows as evaluated by calc(data, x) (terminal) or by calc(data, x, u).
+/// The constraint rows of a terminal node, calc(data, x), or of a running node, calc(data, x, u).
 class ConstraintRows {
  public:
   ConstraintRows(const ActionModelAbstract& model, bool terminal)
@@ -42,7 +42,7 @@ inline ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
 }
 
 enum class Rows { kInequalities, kEqualities, kAll };
-/// Returns the largest violation of the rows of all evaluated nodes, or the sum of all; NaN if any is NaN.
+/// Returns the largest violation (LInf) or the sum of violations (L1) of all evaluated nodes; NaN if any is NaN.
 double infeasibility(const ShootingProblem& problem, Rows which, FeasibilityNorm norm);
 
 }  // namespace manycontact::internal

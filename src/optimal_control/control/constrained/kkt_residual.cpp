@@ -18,7 +18,7 @@ namespace {
 using Vectors = std::vector<Eigen::VectorXd>;
 using internal::ConstraintRows;
 
-// The largest |number| so far, infinite after one that is not finite.
+// The largest |number| that was added; infinite if a number was not finite.
 struct Largest {
   double value = 0;
   void add(double number) {
@@ -30,7 +30,7 @@ struct Largest {
   }
 };
 
-// Returns y^T times column i of dc/dx, or of dc/du.
+// Returns y^T times column i of dc/dx or of dc/du, where row(k) is row k of this matrix; zero if y is null.
 template <class Row>
 double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
   double sum = 0;
@@ -47,7 +47,7 @@ bool is_of_parts(const ShootingProblem& problem) {
   return false;
 }
 
-// Adds c - P(c + y / scale) of each row to `worst`.
+// Adds c - P(c + y / scale) of each constraint row c to `worst`; P projects onto the bounds of c.
 void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y, double scale,
                      Largest& worst) {
   check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
@@ -57,7 +57,7 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the slope of control i or, with limits, u - P(u - slope) to `worst`.
+// Adds the gradient `slope` for control i or, with limits, u - P(u - slope) to `worst`; P projects onto the limits.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())
@@ -90,7 +90,7 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, scale, worst);
-    if (coupled) {  // scene_gradient eliminates wrenches by the scene's derivatives, not by the coupling rows
+    if (coupled) {  // scene_gradient eliminates the wrenches by derivatives of the whole scene's dynamics
       scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d),
                      l[std::min(t + 1, T)], t == T, y ? *y : none, by_x, by_u);
       worst.add((by_x - l[t]) / scale);
@@ -223,13 +223,13 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
 
 namespace {
 
-// Whether control i of u is at a limit that is taken into account.
+// Whether control i of u is at a limit; false if `limits` is false.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits) {
   return limits && model.get_has_control_limits() && (u[i] <= model.get_u_lb()[i] || u[i] >= model.get_u_ub()[i]);
 }
 
-// Makes the linear-quadratic problem of least_squares_multipliers. The wrenches of couplings are variables whose only
-// cost is Lw. Controls at a limit are left out: their gradient is the multiplier of the limit.
+// Makes the linear-quadratic problem of least_squares_multipliers. Wrenches of couplings are variables with the cost
+// Lw^T dw. Controls at a limit are left out, because the limit's multiplier balances their gradient.
 lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool limits,
                        const std::vector<ActionPart>& blocks) {
   lq::Problem out = internal::structure_of(problem, blocks);
@@ -252,7 +252,7 @@ lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool l
   return out;
 }
 
-// Returns NaN if there is no solution, for instance if couplings are dependent and contradictory.
+// Returns the least-squares multipliers of a subproblem; NaN if there are none, e.g. for contradictory couplings.
 Vectors of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
   const std::vector<ActionPart> blocks = internal::blocks_of(problem);
   const lq::Problem lq = problem_of(problem, us, limits, blocks);

@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Fills the group of one block from its node; fill_nodes sets C and D of the wrenches.
+// Sets the matrices of a group of one block from the node's derivatives, except C and D (see fill_nodes).
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
   to.q = from.Lx;
@@ -16,7 +16,7 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
   if (terminal) return;
   to.r = from.Lu;
   from.dynamics(to.A, to.B);
-  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // other nodes have more controls
+  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // pads a node with fewer controls than others
     to.B.conservativeResize(Eigen::NoChange, u);
     to.B.rightCols(u - own).setZero();
     to.r.conservativeResize(u);

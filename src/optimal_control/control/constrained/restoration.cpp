@@ -1,4 +1,5 @@
-// Minimises the violation of the constraints without the costs, to find whether they can be satisfied at all.
+// Minimises the violation of the constraints without the costs, to find whether the constraints can be satisfied.
+// Terms: augmented_lagrangian.hpp (r are the violations, C their Jacobian; `stop` is the expected reduction of a step).
 
 #include <algorithm>
 #include <cmath>
@@ -19,35 +20,35 @@ using internal::largest_number;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;      // cost of a motion from which no solve continues, in units of the current cost
+constexpr double kAbsurd = 3e8;      // a solve discards a motion whose cost exceeds this multiple of the previous cost
 constexpr double kWorthless = 1e-6;  // a violation counts as least if a step reduces its square by at most this share
-constexpr double kLevel = 1e-6;     // stationary: |C^T r| <= kLevel |C| |r|, with the violations r and their Jacobian C
-constexpr double kCrawling = 1e-9;  // iterations are slow if `stop` is below this share of the squared violation
-// Distances of the motions that are tried near the candidate, in units of the largest control, or of 1. The nearer ones
-// are for candidates from which a motion without feedback moves too far.
+constexpr double kLevel = 1e-6;      // the candidate is stationary if |C^T r| <= kLevel |C| |r|
+constexpr double kCrawling = 1e-9;   // iterations are slow if `stop` is below this share of the squared violation
+// Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). Small
+// changes are for unstable robots: without feedback, larger changes lead far away from the candidate.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Distances of motions far from the candidate, in the same units; negative ones are measured from zero controls.
+// Largest random changes for motions far from the candidate, as above. Negative: changes of zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
-constexpr double kCreeping = 0.99;      // a search is slow if kCreepingWindow iterations leave more than this share
-constexpr double kSettled = 1 - 1e-12;  // the same for iterations that look for a stationary candidate
+constexpr double kCreeping = 0.99;      // a search ends if kCreepingWindow iterations leave this share of |r|^2 or more
+constexpr double kSettled = 1 - 1e-12;  // the value of kCreeping for quasi-Newton steps towards a stationary candidate
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;     // an earlier candidate is preferred up to this multiple of the least violation
+constexpr double kAsNear = 1.01;     // the original candidate is preferred up to this multiple of the least violation
 constexpr double kMuchNearer = 0.5;  // a solve continues from a candidate that reduces the violation to this share
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
-// The initial regularisation of quasi-Newton steps in units of |C|^2, and the factor that increases it.
+// The initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor of its increases.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 constexpr double kLongest = 10;  // longest first step, in units of the largest control
 constexpr double kBack = 1e-3;   // a search returned to the candidate if its result is worse by at most this share
 constexpr std::size_t kRestorations = 5;
-constexpr double kBeyond = 0.1;  // limits make constraints infeasible if they allow at most this relative reduction
-constexpr int kSaddles = 4;      // number of candidates that may turn out not to be minima
+constexpr double kBeyond = 0.1;  // infeasible: controls within limits reduce |r|^2 by at most this share
+constexpr int kSaddles = 4;      // number of searches that restart from a smaller violation near the candidate
 
 }  // namespace
 
-// Ends the iterations if they make no progress, or if the constraints are met.
+// Ends the minimisation of the violation if it makes no progress, or if the constraints are met.
 class AL::Watch : public CallbackAbstract {
  public:
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
@@ -55,12 +56,12 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back())
-      last_.push_back(left);  // otherwise the step is repeated with more regularisation
+      last_.push_back(left);  // an unchanged value is a rejected step, which is repeated with more regularisation
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  /// Resets the counts. A search ends if it converges slowly; other iterations continue until they are stationary.
+  /// Resets the counts. searches: end the iterations when they converge slowly; otherwise when r is stationary.
   void begin(bool searches) {
     slow_ = 0;
     last_.clear();
@@ -75,7 +76,7 @@ class AL::Watch : public CallbackAbstract {
   std::vector<double> last_;  // squared violations
 };
 
-// Reports an iteration to the callbacks. Returns whether one of them interrupted the solve.
+// Reports an iteration to the callbacks. Returns whether a callback interrupted the solve.
 bool AL::reportRestoration(const SolverAbstract& solver) {
   merit_ = solver.get_cost();
   stop_ = solver.get_stop();
@@ -88,17 +89,17 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   return interrupted_;
 }
 
-// The nodes of the problem with half their squared violation as the only cost, and the solver that minimises it.
+// A problem of the same nodes whose only cost is half the squared violation |r|^2, and the solver that minimises |r|^2.
 struct AL::Restoration {
   std::vector<Augmented> augmented;
   std::shared_ptr<ShootingProblem> problem;
   std::shared_ptr<SolverDDP> solver;
   std::shared_ptr<Watch> watch;
-  bool rests = false;  // quasi-Newton steps found the candidate stationary
-  std::size_t last;    // the number of iterations at which the search ends
+  bool rests = false;  // whether quasi-Newton steps ended at a stationary candidate
+  std::size_t last;    // the number of reported iterations at which the search ends
 };
 
-// `met` is half the squared violation below which the constraints are met.
+// Creates the problem that minimises the violation. The constraints are met if half of |r|^2 is at most `met`.
 AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   Restoration out;
   out.last = maxiter;
@@ -132,7 +133,7 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   return out;
 }
 
-// Sets the least regularisation for |C| at the candidate: an absolute one would hide the effect of weak controls.
+// Sets the least regularisation in proportion to |C|^2. An absolute regularisation would stop steps of weak controls.
 void AL::regulariseLeast(Restoration& own) {
   evaluate(own);
   const double size = jacobianSize(own);
@@ -140,8 +141,8 @@ void AL::regulariseLeast(Restoration& own) {
   own.solver->set_reg_min(kRegularised * std::min(1.0, std::max(kSmallest, size * size)));
 }
 
-// Minimises the violation from the candidate, and makes the result the candidate. Near a stretched arm Gauss-Newton
-// predicts the whole reduction, but its steps reduce almost nothing; quasi-Newton steps include the curvature.
+// Minimises the violation from the candidate, and makes the result the candidate. If Gauss-Newton steps do not end at a
+// stationary point, for example near a stretched arm, quasi-Newton steps continue, which include the curvature.
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
@@ -151,8 +152,8 @@ void AL::leastViolation(Restoration& own) {
   level(own);
 }
 
-// Takes quasi-Newton steps from a candidate without gaps until they are stationary. They start with Gauss-Newton's
-// Hessian, with increasing regularisation if its steps are too long.
+// Takes quasi-Newton steps from a candidate without gaps until the candidate is stationary. Each round starts from the
+// Gauss-Newton Hessian. The regularisation increases after a round that does not reduce the violation.
 void AL::level(Restoration& own) {
   own.rests = false;
   const double size = jacobianSize(own);
@@ -177,7 +178,7 @@ void AL::level(Restoration& own) {
   }
 }
 
-// Makes the result of the search the candidate.
+// Makes the result of the solver that minimises the violation the candidate.
 void AL::take(Restoration& own) {
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = own.solver->get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = own.solver->get_us()[t];
@@ -185,10 +186,10 @@ void AL::take(Restoration& own) {
   evaluate(own);
 }
 
-// Searches from another motion: its controls differ from those of the candidate by up to |by| of the largest one, or
-// from zero if `by` is negative. If the search ends at a smaller violation, its result becomes the candidate. Very near
-// the candidate the steps only descend, because those of Gauss-Newton would return to a maximum or a saddle. The
-// candidate is shown to be a minimum if these steps return to it.
+// Searches from another motion. Its controls are those of the candidate, or zeros if `by` is negative, plus random
+// numbers up to |by| times the largest control. If the search ends at a smaller violation, its result becomes the
+// candidate. Near the candidate only quasi-Newton steps are taken: Gauss-Newton steps may return to a maximum or a
+// saddle. If the quasi-Newton steps return to the candidate, the candidate is a minimum.
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
@@ -197,7 +198,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
-  if (!beside)  // controls that vary from node to node would cancel
+  if (!beside)  // adds constant controls: the effects of controls that vary from node to node would cancel
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();
@@ -227,15 +228,15 @@ void AL::evaluate(Restoration& own) {
   measureViolation();
 }
 
-// Estimates |C|, the norm of the Jacobian of the violated rows with respect to the controls, where the states follow
-// the controls. For random combinations w of the rows, |C^T w|^2 is on average a third of |C|^2 or more.
+// Estimates |C|, the norm of the Jacobian of the violated rows with respect to the controls (states by simulation). For
+// random combinations w of the rows, |C^T w|^2 is on average at least a third of |C|^2.
 double AL::jacobianSize(Restoration& own) {
   constexpr int kDraws = 4;
-  constexpr double kNoPenalty = 1e-100;  // y+ = y
+  constexpr double kNoPenalty = 1e-100;  // so small that the gradient of the augmented Lagrangian is C^T w
   std::vector<Eigen::VectorXd> signs;    // signs of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
-  std::uniform_real_distribution<double> share(0, 2);  // the sign is not changed, since an inequality has one side
+  std::uniform_real_distribution<double> share(0, 2);  // not negative: an inequality's multiplier has a fixed sign
   double squares = 0;
   for (int k = 0; k < kDraws; ++k) {
     for (std::size_t i = 0; i < signs.size(); ++i) {
@@ -265,9 +266,9 @@ double AL::violationSlope(Restoration& own) {
   return of_r == 0 ? 0 : of_r / (jacobianSize(own) * std::sqrt(2 * merit_));
 }
 
-// Whether the violations r are stationary: `C^T r` is small relative to |C| |r|, or a step of the linearised problem is
-// predicted to reduce them by a small share, |P_C r|^2 / |r|^2. Here P_C projects onto the range of C. The first
-// measure is small at a stretched arm too, the second one if the singular values of C differ much.
+// Whether the violations r are stationary: C^T r is small relative to |C| |r|, or a step of the linearised problem is
+// predicted to reduce |r|^2 by a small share only. The first test also detects a stretched arm. The second test also
+// works if the singular values of C differ much.
 bool AL::isStationary(Restoration& own) {
   SolverDDP& solver = *own.solver;
   solver.setCandidate(xs_, us_, is_feasible_);
@@ -277,8 +278,8 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether controls moved as far as their limits allow would avoid only a small share of the squared violation, to first
-// order around the candidate or zero controls. For linear motions this bounds the least violation (Frank-Wolfe gap).
+// Whether any controls within their limits reduce the squared violation by a small share only, to first order around
+// the candidate or zero controls. For linear motions this test bounds the least violation (Frank-Wolfe gap).
 bool AL::isBeyondLimits(Restoration& own) {
   if (!own.solver->keeps_limits()) return false;
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
@@ -302,8 +303,8 @@ bool AL::isBeyondLimits(Restoration& own) {
   return out;
 }
 
-// Whether the motion is an affine function of the controls between the previous controls and those of the candidate,
-// tested at the midpoint. Then large numbers are accepted.
+// Whether the motion is an affine function of the controls between `us_before` and the candidate's controls, tested at
+// the midpoint. For affine motions a large cost is accepted.
 bool AL::movesInLineFrom(const Vectors& us_before) {
   constexpr double kInLine = 1e-6;  // relative to the distance of the two motions
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
@@ -323,9 +324,9 @@ bool AL::movesInLineFrom(const Vectors& us_before) {
   return off <= kInLine * far;
 }
 
-// Returns kInfeasible if the violation is not zero and was shown to be a minimum, by C^T r and by searches that start
-// near it, or to be beyond what the limits of controls allow. Returns kNone if a solve may continue, from a candidate
-// that meets the constraints or is much nearer to them. Returns kNoStep otherwise.
+// Minimises the violation. Returns kInfeasible if the violation is not zero, and is a minimum (by C^T r and by searches
+// from nearby motions) or cannot be much reduced within control limits. Returns kNone if the solve may continue, from a
+// candidate that meets the constraints or violates them much less. Otherwise returns kNoStep.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
@@ -350,7 +351,7 @@ StopReason AL::restore(std::size_t maxiter) {
     level(own);
   }
   bool shown = false;
-  // Maxima, saddles and other minima are stationary too, and in a curved valley no search may come to its end.
+  // A stationary point may be a maximum, a saddle or a larger minimum, and a search may end before it is stationary.
   for (int k = 0; goes_on() && k <= kSaddles; ++k) {
     if (k > 0) leastViolation(own);
     const bool stationary = isStationary(own);
@@ -364,15 +365,15 @@ StopReason AL::restore(std::size_t maxiter) {
     if (!falls) break;
   }
   if (interrupted_) return StopReason::kInterrupted;
-  // A smaller violation proves nothing: its square is the rounding error of the squares that it is computed from.
+  // A violation below `shows` is only the rounding error of squared numbers, and does not prove infeasibility.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
-  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the earlier motion is preferred if it was as near
+  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the original motion is preferred if about as good
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
-  // The result proves nothing in two cases: a motion meets the constraints with torques so large that its steps do not
-  // keep the contacts closed, or the violation did not decrease although nothing else was minimised.
+  // The original motion becomes the candidate again in two cases. Either the torques are so large that integration
+  // errors open the contacts, or the violation increased although nothing else was minimised.
   const bool absurd = is_absurd();
   const bool nearer = violation_ <= std::max(th_constraint_, kMuchNearer * violation_before);
   if (absurd || violation_ > violation_before) take_back(xs_before, us_before, false);
@@ -381,10 +382,10 @@ StopReason AL::restore(std::size_t maxiter) {
   return reported_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 
-// Sets the size of the cost, and of the penalty that outweighs it, from the candidate, whose cost is larger than that
-// of the guess. `violation` is the violation that the cost alone leaves.
+// Sets the scale of the cost from the candidate's large cost, and a penalty that outweighs this cost. `violation`: the
+// violation before the restoration, which a minimisation of the cost alone leaves.
 void AL::takeCostOf(double violation) {
-  constexpr double kOrdinary = 1e4;  // th_stop and th_kkt suit costs up to this size
+  constexpr double kOrdinary = 1e4;  // largest cost for which th_stop and th_kkt need no scaling
   const double of_cost = std::exp2(std::round(std::log2(std::abs(cost_) / kOrdinary)));
   scale_ = std::max(scale_, of_cost);
   kkt_scale_ = std::max(kkt_scale_, of_cost);
@@ -392,7 +393,7 @@ void AL::takeCostOf(double violation) {
   set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
 
-// Continues from the current candidate with a penalty that keeps it nearer to the constraints.
+// Resets multipliers and convergence tests, and increases the penalty: the solve continues from the current candidate.
 void AL::startAgain() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented) own.model->set_multipliers(Eigen::VectorXd::Zero(own.rows.size()));

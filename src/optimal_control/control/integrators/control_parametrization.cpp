@@ -92,7 +92,7 @@ ControlParametrizationModelPolyTwoRK::ControlParametrizationModelPolyTwoRK(std::
           "the two stages of rktype two do not determine a quadratic, rktype three or four is expected");
 }
 
-// Lagrange's polynomials of the times 0, 1/3, 2/3 and 0, 1/2, 1.
+// Returns the Lagrange polynomials at t for the nodes 0, 1/3, 2/3 (three stages) or 0, 1/2, 1 (four stages).
 std::array<double, 3> ControlParametrizationModelPolyTwoRK::coefficients(double t) const {
   if (rktype_ == three) return {4.5 * (t * t - t) + 1, -9 * t * t + 6 * t, 4.5 * t * t - 1.5 * t};
   return {2 * t * t - 3 * t + 1, 4 * (t - t * t), 2 * t * t - t};

@@ -84,7 +84,7 @@ void HeldVelocities::take_torques(const DataCollector& of) {
     add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.wrenches, *applied_, torques_.data());
 }
 
-// The adjoint of each coordinate's torque gives one row of dtau_dx_.
+// Computes dtau_dx_, one row for each coordinate's torque, by reverse differentiation of the applied forces.
 void HeldVelocities::differentiate_torques(const DataCollector& of) {
   if (!applied_) return;
   take_torques(of);
@@ -115,7 +115,7 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
   }
 }
 
-// Placement errors along rows that rotate are not corrected (simulation/internal.hpp).
+// Sets alpha = 0 for contacts with rotating rows: their placement errors are not corrected (simulation/internal.hpp).
 void HeldVelocities::leave_out_alpha_of_turning_rows() {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     Contact& contact = scene.contacts[c];
@@ -145,7 +145,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   take_torques(of);
   torques_of_motion_ = torques_ - tau;
   begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
-  for (const int i : joints.rubbing) joints.slip[i] = 0;  // the result depends on the state alone
+  for (const int i : joints.rubbing) joints.slip[i] = 0;  // resets slip, so that the result depends on the state alone
   joints.begun = false;
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);
@@ -176,7 +176,7 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// G = [dtau/dx dtau/dw] - [b_q b_v 0] - (drag of joints), where b = ID(q, v, -w x v):
+// Derivatives F of accelerations. With b = ID(q, v, -w x v), G = [dtau/dx dtau/dw] - [b_q b_v 0] - (damping of joints):
 //     F = [a_q, s a_v, 0] + a_tau G
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;

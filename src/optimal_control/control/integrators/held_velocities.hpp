@@ -1,7 +1,7 @@
 #pragma once
-// Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp), by `solve` and `differentiate`
-// at the state (q, s v) with gains (alpha, beta / s). There J a + s^2 J' v = -beta J v - alpha e. With s = 2^-30 the
-// term in s^2 is below rounding errors, while beta J v is unchanged. The torques include the bias at v.
+// Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp). `solve` and `differentiate`
+// are called at the state (q, s v) with gains (alpha, beta / s): J a + s^2 J' v = -beta J v - alpha e. With s = 2^-30
+// the term with J' v is below rounding errors, while beta J v is unchanged. The torques tau include the bias at v.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
@@ -11,25 +11,25 @@
 namespace manycontact::internal {
 
 struct HeldVelocities {
-  /// Makes the workspace for these dynamics, steps of h and nw controls.
+  /// Makes the workspace for the dynamics in `of`, steps of h [s] and nw controls.
   HeldVelocities(const DataCollector& of, std::size_t nw, double h);
   HeldVelocities(const HeldVelocities&) = delete;
 
-  /// Whether this workspace fits the dynamics as they are now, and steps of h.
+  /// Whether this workspace fits the current robots of `of` and steps of h. If not, a new workspace is needed.
   bool serve(const DataCollector& of, double h);
 
-  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step ends the step.
-  /// The differential model's calc at the state comes first: its torques in `of` are used.
+  /// solve_at computes a = (x - v) / h, with the velocity x of simulation/free_joints.hpp; finish_step computes xnext.
+  /// The differential model's calc must be called first at the same state, because `of` provides the torques.
   void solve_at(const ConstVectorRef& state, double h, const DataCollector& of);
   void finish_step(const DataCollector& of, double h, Eigen::VectorXd& xnext);
 
   /// Computes a_x, a_w (nv x ndx, nv x nw) in F, after the differential model's calcDiff.
   void differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F);
-  /// Changes F (ndx x (ndx + nw)) from derivatives of [q + h x; x], in q's tangent space, to those of the next state.
+  /// Computes in F (ndx x (ndx + nw)) the derivatives of the next state, from the derivatives of [q + h x; x] in F.
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
-  Scene scene;             // scene of `of` without gravity; joints add to M, contacts have beta / s
+  Scene scene;             // scene of `of` without gravity, with inertias that include `joints`, contact gains beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // the state; s v
   Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
@@ -52,7 +52,7 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // Add external wrenches and springs to the motors' torques at q, v, and their derivatives to dtau_dx_.
+  // take_torques adds external wrenches and springs to the motors' torques; differentiate_torques computes dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kIntegratedActionModel = "IntegratedActionModel";
 
-// Every argument checks the model, since the order of their evaluation is unspecified.
+// Returns the model after a check for null. Each argument of a constructor calls this: their order is unspecified.
 const DifferentialActionModelAbstract& checked(const std::shared_ptr<DifferentialActionModelAbstract>& model) {
   return *internal::given(kIntegratedActionModel, model, "a differential action model");
 }
@@ -55,7 +55,7 @@ bool IntegratedActionModelAbstract::checkData(const DataPtr& data) {
   return data != nullptr;
 }
 
-// Computes u of the differential model's quasi-static torques, at the beginning of the step.
+// Computes u from the quasi-static torques of the differential model, at the first stage of the step.
 void IntegratedActionModelAbstract::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x,
                                                 std::size_t maxiter, double tol) {
   const auto* d = dynamic_cast<const IntegratedActionDataAbstract*>(data.get());

@@ -49,7 +49,7 @@ void differentiate_stage(const StateAbstract& state, const ControlParametrizatio
                          const ConstVectorRef& x, double step, std::size_t i, IntegratedActionDataRK& d) {
   const Eigen::Index nv = state.get_nv();
   const DifferentialActionDataAbstract& k = *d.differential[i];
-  if (i == 0) {  // y = x, dv/dx = [0 I]
+  if (i == 0) {  // stage 0: y = x, dv/dx = [0 I]
     d.dki_dx[0].bottomRows(nv) = k.Fx;
     control.multiplyByJacobian(d.control[0], k.Fu, d.dki_du[0].bottomRows(nv));
     return;

@@ -1,5 +1,5 @@
 #pragma once
-// Copies between the coordinates of a node and those of its subproblems.
+// Copies between the coordinates of a node and the coordinates of its subproblems.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Sets part = whole(index), where part has the right size. (Eigen's indexed views would copy the index.)
+/// Sets part = whole(index); part must have the size of index. (Eigen's indexed views would copy `index`.)
 template <class Whole, class Part>
 void take(const Whole& whole, const std::vector<int>& index, Part&& part) {
   for (std::size_t i = 0; i < index.size(); ++i) part[i] = whole[index[i]];
@@ -27,7 +27,7 @@ inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const
       whole(rows[i], cols[j]) = part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-/// Returns the sum of a size over the subproblems' models.
+/// Returns the sum of size(model) over the models of all subproblems.
 template <class Part, class Size>
 std::size_t total(const char* where, const std::vector<Part>& parts, Size size) {
   std::size_t sum = 0;
@@ -52,7 +52,7 @@ void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   }
 }
 
-/// Stacks one of the bounds of g of all models.
+/// Stacks the values of one getter of bounds of g (for example get_g_lb) of all subproblems.
 template <class Part>
 void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (ActionModelAbstract::*bound)() const,
                   Eigen::VectorXd& out) {
@@ -75,7 +75,7 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
   stack(datas.size(), h, to.h);
 }
 
-/// Returns the rows of a node's [g; h] of each subproblem. terminal: the node is evaluated by its state alone.
+/// Returns for each subproblem the indices of its rows in the node's [g; h]. terminal: the node is a terminal node.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
   std::vector<std::vector<int>> out(parts.size());

@@ -81,7 +81,7 @@ bool CoupledDirection::compute(double preg, double dreg) {
   return true;
 }
 
-// Computes u = us + s du + K (x (-) xs - s dx), where K has lq's sign.
+// Computes u = us + s du + K (x (-) xs - s dx), where K = du/dx as in lq/riccati.hpp.
 void CoupledDirection::step_control(std::size_t t, double steplength) {
   part_.problem->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
   for (std::size_t i = 0; i < blocks_.size(); ++i)
@@ -93,7 +93,7 @@ void CoupledDirection::step_control(std::size_t t, double steplength) {
   add_gains_times(t, from_model_, us_try_[t]);
 }
 
-// Calls use(cluster, K of its controls) for each cluster at node t.
+// Calls use(cluster, K) for each cluster at node t, where K are the gains of the cluster's controls.
 template <class Use>
 void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
   const std::vector<lq::Cluster>& clusters = policies_->plan()[t];
@@ -101,7 +101,7 @@ void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
     use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
 }
 
-// The policies are about the candidate itself: dx = 0.
+// Also sets dx = 0, because the steps of `descend` have their feedback K (x (-) xs) about the candidate.
 void CoupledDirection::set_feed_forward(const Vectors& nu) {
   Direction::set_feed_forward(nu);
   for (VectorXd& dx : z_.x) dx.setZero();
@@ -120,7 +120,7 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   }
 }
 
-// Computes to += K^T g, where K has lq's sign.
+// Computes to += K^T g, where K = du/dx as in lq/riccati.hpp.
 void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
@@ -134,7 +134,7 @@ void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& 
   });
 }
 
-// Solves the problem whose gradient with respect to nu is g, and with respect to x zero: nu = du - K dx = -H^-1 g.
+// Solves the linear-quadratic problem with gradient g for nu and zero for x. Then nu = du - K dx = -H^-1 g.
 void CoupledDirection::precondition_feed_forward(Vectors& g) {
   const std::size_t T = g.size();
   lq_.x0.setZero();

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr const char* kCouplings = "ActionModelParts";
-constexpr int kRows = 6;  // rows of a coupling, and numbers of its wrench, for every type of contact
+constexpr int kRows = 6;  // number of equations of a coupling, and size of its wrench, for every contact type
 
 std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
   std::vector<int> out(scene.robots.size(), -1);
@@ -135,7 +135,7 @@ VectorXd Couplings::force(std::size_t coupling, const CouplingData& data) const 
   return data.solution.f.segment(data.solution.f_offset[c], scene_.contacts[c].rows());
 }
 
-// Solves the dynamics of the whole scene, and computes the couplings' wrenches from its forces.
+// Solves the dynamics of the whole scene, and computes the couplings' wrenches from the contact forces.
 void Couplings::solve(const std::vector<ActionPart>& parts, const ConstVectorRef& x, const ConstVectorRef& u,
                       ActionDataParts& d) const {
   CouplingData& own = *d.couplings;

@@ -17,7 +17,7 @@ using internal::total;
 
 namespace {
 
-// Stacks the subproblems' matrices by rows, each in its own columns.
+// Stacks the subproblems' matrices get(i) by rows; each matrix has the columns of its subproblem.
 template <class Get>
 void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
   Index row = 0;
@@ -136,7 +136,7 @@ bool ActionModelParts::checkData(const DataPtr& data) {
   return true;
 }
 
-// Copies each subproblem's share of x and u. Couplings::solve sets the wrenches after its controls.
+// Copies each subproblem's share of x and u. Couplings::solve sets the wrenches, which follow a subproblem's controls.
 void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     take(x, parts_[i].x, d.x[i]);
@@ -168,7 +168,7 @@ void ActionModelParts::differentiate(ActionDataParts& d, const ConstVectorRef& x
   coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
 }
 
-// The blocks between parts are zero since createData.
+// Copies the subproblems' derivatives into the node's matrices. Blocks between subproblems are zero since createData.
 void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& p = parts_[i];

@@ -24,9 +24,9 @@ Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   return out;
 }
 
-// Whether coordinate j of a chain moves S_k, which it does unless j is below k's joint.
+// Whether coordinate j moves the motion subspace S_k of coordinate k of the same chain: not if j's joint is below k's.
 bool moves_subspace(const Model& model, int j, int k) {
-  if (j <= k) return true;  // the chain ascends: an ancestor, or the same joint
+  if (j <= k) return true;  // indices ascend along a chain: j belongs to an ancestor or to the same joint
   for (const Joint& joint : model.joints)
     if (k >= joint.idx_v && k < joint.idx_v + joint.nv()) return j < joint.idx_v + joint.nv();
   return false;

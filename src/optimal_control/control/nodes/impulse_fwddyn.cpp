@@ -15,7 +15,7 @@ namespace manycontact {
 
 namespace internal {
 
-// The right-hand side of an impact as an actuation: tau(x, u) = (1 + e) M(q) u, u the velocity before the impact.
+// The right-hand side (1 + e) M v of an impact as an actuation tau(x, u) = (1 + e) M(q) u, where u = v.
 class ImpactActuation : public ActuationModelAbstract {
  public:
   explicit ImpactActuation(std::shared_ptr<StateMultibody> state);
@@ -61,7 +61,7 @@ struct ImpactData : ActuationDataAbstract {
 
 const std::vector<Robot>& robots_of(const StateMultibody& state) { return state.get_model()->scene().robots; }
 
-// Calls use(k, i, j) for each packed entry k: coordinate i, its ancestor (or itself) j, numbered within the robot.
+// Calls use(k, i, j) for each packed entry k of M: row i, column j of an ancestor or of i, numbered within the robot.
 template <class Use>
 void each_entry(const Model& model, Use&& use) {
   for (int i = 0; i < model.nv; ++i) {
@@ -70,7 +70,7 @@ void each_entry(const Model& model, Use&& use) {
   }
 }
 
-// Sets the motion at which ID, the inverse dynamics, is evaluated: at rest, without gravity, with accelerations u.
+// Sets the kinematics for the inverse dynamics ID(q, 0, u): at rest, without gravity, with accelerations u.
 void move(const Robot& robot, const ConstVectorRef& x, const ConstVectorRef& u, RobotWork& w) {
   const Model& model = *robot.model;
   forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), w.kin);
@@ -109,7 +109,7 @@ std::shared_ptr<ActuationDataAbstract> ImpactActuation::createData() {
   return data;
 }
 
-// tau = (1 + e) ID(q, 0, u)
+// Computes tau = (1 + e) ID(q, 0, u), where ID is the inverse dynamics without gravity.
 void ImpactActuation::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ImpactActuation::calc", x, u);
   ImpactData& d = static_cast<ImpactData&>(*data);
@@ -123,7 +123,7 @@ void ImpactActuation::calc(const DataPtr& data, const ConstVectorRef& x, const C
   d.tau *= 1 + restitution;
 }
 
-// dtau/dq = (1 + e) dID/dq, dtau/du = (1 + e) M; at the last calc
+// Computes dtau/dq = (1 + e) dID/dq and dtau/du = (1 + e) M at the last calc.
 void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {
   check("ImpactActuation::calcDiff", x, u);
   ImpactData& d = static_cast<ImpactData&>(*data);
@@ -139,7 +139,7 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // the value that is valid on the diagonal
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // overwrites dq_upper on the diagonal, as required
     });
   }
 }
@@ -155,7 +155,7 @@ namespace {
 constexpr const char* kActionModelImpulseFwdDynamics = Model_::kName;
 const std::vector<int> kNoColumns;
 
-// The data of a differential model without controls, into which costs and constraints write their derivatives.
+// A differential model without controls. Costs and constraints of the impact write their derivatives into its data.
 class Terms : public DifferentialActionModelAbstract {
  public:
   explicit Terms(const Model_& model)
@@ -253,7 +253,7 @@ bool Model_::checkData(const DataPtr& data) {
   return d && dynamics_->checkData(d->dynamics);
 }
 
-// Lays out the residuals' blocks again after impulses were switched, or a frame has changed.
+// Calls lay_out of costs and constraints again after impulses were switched, or a frame has changed.
 void Model_::lay_out(Data& d) const {
   bool fits = d.laid_out.size() == impulses_->get_impulses().size();
   std::size_t k = 0;
@@ -274,7 +274,7 @@ void Model_::lay_out(Data& d) const {
   if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
 }
 
-// v+ = w - e v, with w = xout of the dynamics at rest.
+// Computes v+ = w - e v, where w is xout of `dynamics` at rest.
 void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   constexpr const char* where = "ActionModelImpulseFwdDynamics::calc";
   const internal::ActionTerms terms{*costs_, constraints_.get()};
@@ -309,7 +309,7 @@ void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u)
   d.stage = u ? Stage::kRunning : Stage::kTerminal;
 }
 
-// dv+/dq = dw/dq, dv+/dv = dw/dv - e I; the dynamics have v as their controls.
+// Computes dv+/dq = dw/dq and dv+/dv = dw/dv - e I. The controls of `dynamics` are v.
 void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef* u) {
   const Stage stage = u ? Stage::kRunning : Stage::kTerminal;
   internal::check_stage(kActionModelImpulseFwdDynamics,

@@ -9,8 +9,8 @@
 
 namespace manycontact::internal {
 
-/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads; thread 0 is the caller's. Throws again
-/// the exception of the first node t that throws.
+/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads; thread 0 is the caller's. If calls
+/// throw, the exception of the smallest t is thrown again.
 template <class Work>
 void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {
@@ -35,20 +35,20 @@ void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (thrown) std::rethrow_exception(thrown);
 }
 
-/// Calls work(t) in the same way.
+/// Calls work(t) for t = 0 ... count - 1 on at most `threads` threads.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, Work&& work) {
   each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });
 }
 
-/// Uses one thread if the last call took too little time for others to pay off; results do not depend on this.
+/// Calls work(t) on one thread if the last loop took less than kWorthAThread per thread, otherwise on `threads`.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
-  constexpr double kWorthAThread = 5e-5;  // s of work for each thread: more than it takes to wake one
+  constexpr double kWorthAThread = 5e-5;  // least work per thread [s]: more than the time to wake a thread
   using Clock = std::chrono::steady_clock;
   if (threads <= 1) return each_node(1, count, work);
   const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;
-  Clock::time_point begin;  // start of the caller's own share: waiting for others does not count
+  Clock::time_point begin;  // start of the calling thread's nodes; its waiting for other threads is not measured
   each_node_by_thread(used, count, [&](std::size_t t, int thread) {
     if (t == 0) begin = Clock::now();
     work(t);

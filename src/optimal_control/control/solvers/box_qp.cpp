@@ -23,7 +23,7 @@ void BoxQP::set_nx(std::size_t nx) {
   solution_.clamped_idx.reserve(nx);
 }
 
-// A component is clamped if it is at a bound that the descent direction would exceed.
+// Lists the clamped components, which are at a bound that the descent direction would exceed, and the free components.
 void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub) {
   solution_.free_idx.clear();
   solution_.clamped_idx.clear();
@@ -33,7 +33,7 @@ void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub
   }
 }
 
-// dx = - Hff^-1 (qf + Hff xf + Hfc xc) of the free components; `gradient` is the largest entry of the bracket.
+// Computes dx = - Hff^-1 (qf + Hff xf + Hfc xc), f: free, c: clamped. `gradient`: largest entry of the bracket.
 bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, double& gradient) {
   const std::vector<std::size_t>& free = solution_.free_idx;
   const Eigen::Index nf = static_cast<Eigen::Index>(free.size());
@@ -58,8 +58,8 @@ bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, doub
   return true;
 }
 
-// Takes the longest step that is accepted, clamped to the box; returns false if there is none. As in Crocoddyl, g is
-// the negative gradient on free components: a step may raise the objective by th_acceptstep of its expected reduction.
+// Takes the longest accepted step, clamped to the bounds. Returns false if no step is accepted. As in Crocoddyl, a step
+// may increase the objective by th_acceptstep times its expected reduction.
 bool BoxQP::search(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                    const Eigen::VectorXd& ub) {
   const double old = 0.5 * x_.dot(Hx_) + q.dot(x_);

@@ -11,8 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls; largest Hessian
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // sizes that they are scaled to
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls, largest Hessian, without scaling
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
 
 // The largest absolute values of the Hessians' diagonals.
 struct Sizes {
@@ -48,7 +48,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 }  // namespace
 
 CostScale cost_scale(const ShootingProblem& problem) {
-  double controls = 0, all = 0;  // controls: the least over the nodes that have a Hessian of controls
+  double controls = 0, all = 0;  // smallest nonzero Hessian of controls of a node; largest Hessian of all nodes
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
     add_node(*problem.data(t), own);
@@ -65,7 +65,7 @@ CostScale cost_scale(const ShootingProblem& problem) {
     scale = all / kUsualAll;
   else if (all > kLarge)
     scale = all / kUsualAll;
-  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // other Hessians must not become too large
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // no scaled Hessian exceeds kLarge
   if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
   return out;
 }

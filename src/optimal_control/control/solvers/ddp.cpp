@@ -29,7 +29,7 @@ SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits)
   SolverDDP::allocateData();
 }
 
-// The threshold is larger with limits: the expected improvement does not include the limits' multipliers.
+// With limits th_stop is larger, because the expected improvement does not include the multipliers of the limits.
 SolverDDP::SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices)
     : SolverAbstract(std::move(problem)), alphas_(internal::default_alphas()), limits_(limits == Limits::kKept) {
   if (limits_) th_stop_ = 5e-5;
@@ -60,7 +60,7 @@ const RiccatiDirection* SolverDDP::recursion() const {
 
 namespace {
 
-// Returns the values that a single recursion stores for its nodes, or an empty list.
+// Returns the list `get` of a RiccatiDirection, or an empty list if the solver has several subproblems.
 template <class Kept>
 const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
   static const Kept none;
@@ -148,7 +148,7 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
-    // Crocoddyl's rule may stop near the optimum instead of at it: th_kkt decides, or the gap if th_kkt is not set.
+    // Crocoddyl's rule may stop before the optimum: the KKT residual decides, or without th_kkt the projected gradient.
     const bool by_kkt = std::isfinite(th_kkt_);
     const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !by_kkt;
     if (!(doubted && !isOptimalWithinLimits()) && !(reason_ == StopReason::kNoStep && is_feasible_)) break;
@@ -158,7 +158,7 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
     }
     const double before = cost_;
     reason_ = descendWithinLimits(maxiter);
-    // When quasi-Newton steps bring no further progress, the box rule may continue from their result.
+    // If quasi-Newton steps make no further progress, steps of Crocoddyl's box rule continue from their result.
     if (reason_ != StopReason::kNoStep || round == kRounds || !(judges_ || by_kkt) || !(cost_ < before)) break;
     problem_->calc(xs_, us_);
     preg_ = dreg_ = reg_min_ * scale_;
@@ -169,8 +169,8 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
 
 StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
-  // Directions of the box rule may allow hundreds of short steps only; directions of `descend` allow longer ones. Short
-  // steps are not counted if only Crocoddyl's iterates are requested.
+  // The box rule may make hundreds of short steps; `descend` then makes longer steps. Short steps end the iteration
+  // only if th_kkt is set. Otherwise the iterates are those of Crocoddyl.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
   int short_steps = 0;  // consecutive short steps
@@ -183,7 +183,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
       if (std::isfinite(th_kkt_)) {
         const StopReason polished = polish(maxiter);
-        // Polishing with the box rule may cycle between limits.
+        // Polishing with the box rule may cycle between limits, so that `descend` continues.
         return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
       }
       if (keeps_limits() || stopsUnregularised()) return StopReason::kConverged;
@@ -195,10 +195,10 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   return StopReason::kIterations;
 }
 
-// Increases the regularisation until there is a direction.
+// Computes a direction. Increases the regularisation until the backward pass succeeds.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
-    sound_ = true;  // unless backwardPass finds otherwise; an overridden computeDirection may not call it
+    sound_ = true;  // backwardPass sets false if it fails; an overridden computeDirection may not call backwardPass
     computeDirection(again);
   };
   for (compute(recalc); !sound_; compute(false)) {
@@ -208,7 +208,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Decreases the regularisation after long steps, increases it after short ones; returns false at the largest one.
+// Decreases the regularisation after long steps, and increases it after short steps; returns false at its maximum.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
@@ -261,7 +261,7 @@ Eigen::Vector2d SolverDDP::improvement(bool gaps) {
   return d;
 }
 
-// The terms of u = us - s k:  d0 = sum Qu^T k,  d1 = - sum k^T Quu k
+// Returns d0 = sum Qu^T k, d1 = - sum k^T Quu k, summed over nodes, for the step u = us - s k.
 const Eigen::Vector2d& SolverDDP::expectedImprovement() { return d_ = improvement(false); }
 
 double SolverDDP::expectedReduction() const {
@@ -275,9 +275,9 @@ double SolverDDP::calcDiff() {
   cost_ = problem_->calcDiff(xs_, us_);
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
-  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // else limits would wait for gaps to close
-  constexpr double kRounded = 1e-12;  // relative to the states: gaps of a simulation by another program
-  if (iter_ == 0 && is_feasible_)     // a guess with gaps may be marked as feasible
+  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // limits apply only to feasible candidates
+  constexpr double kRounded = 1e-12;  // relative to the states: gaps that another program's rounding errors may cause
+  if (iter_ == 0 && is_feasible_)     // the caller may have passed a guess with gaps as feasible
     is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
@@ -311,7 +311,7 @@ void SolverDDP::set_scale(double scale) {
   for (const auto& own : directions_) own->set_scale(scale_);
 }
 
-// The current regularisation was chosen for the previous scale.
+// Measures the scales at the candidate, and scales the current regularisation, which was chosen for the previous scale.
 void SolverDDP::measureScale() {
   const double before = scale_;
   const internal::CostScale measured = internal::cost_scale(*problem_);
@@ -325,7 +325,8 @@ void SolverDDP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
-// Calls work(direction, its share of `whole`) for each direction, and stores the shares back.
+// Calls work(direction, share) for each direction, with its share of the controls in `whole`, and copies the share
+// back.
 template <class Work>
 void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
   whole.resize(us_.size());

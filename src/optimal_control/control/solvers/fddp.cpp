@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-// Adds the terms of the gaps fs to DDP's expected improvement, with V of the backward pass and the states tried x:
+// Adds the terms of the gaps fs to DDP's expected improvement, with V of the backward pass and the tried states x:
 //     dv = - sum fs^T Vxx (xs (-) x),    d0 = dg + dv,    d1 = dq - 2 dv
 const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
   dv_ = 0;
@@ -13,7 +13,7 @@ const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
   return d_;
 }
 
-//     dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
+// Computes dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
 void SolverFDDP::updateExpectedImprovement() {
   const Eigen::Vector2d d = improvement(true);
   dg_ = d[0];
@@ -30,7 +30,7 @@ void SolverFDDP::forwardPass(double steplength) {
   rollOut(steplength, gaps, gaps);
 }
 
-// The terminal gap closes by the step length, as in Crocoddyl.
+// Multiplies the terminal gap by 1 - steplength, as in Crocoddyl. All other gaps are closed.
 void SolverBoxDDP::forwardPass(double steplength) { rollOut(steplength, false, !is_feasible_ && steplength != 1); }
 
 const std::vector<Eigen::MatrixXd>& SolverBoxDDP::get_Quu_inv() const {

@@ -27,7 +27,7 @@ bool is_readable(const ActionDataAbstract& data, Index ndx) {
 using Block = lq::RiccatiStep::Matrix;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Computes to += weight A; of a symmetric A only the lower triangle.
+// Computes to += weight A. symmetric: only the lower triangle of A is added.
 void add(const Sparse& A, bool symmetric, double weight, Block to) {
   for (Index j = 0; j < A.outerSize(); ++j)
     for (Sparse::InnerIterator it(A, j); it; ++it)
@@ -110,7 +110,7 @@ void RiccatiDirection::add_gap(std::size_t t) {
   Vx_[t] += Vxx_fs_[t];
 }
 
-// Sets [fu fx]; for symplectic Euler only the lower half, and returns the upper one's structure, otherwise nullptr.
+// Copies [fu fx] into riccati_; of symplectic Euler only the lower half, and returns the structure of the upper half.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -205,7 +205,7 @@ void RiccatiDirection::step_control(std::size_t t, double steplength) {
   limit_control(t);
 }
 
-//     dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
+// Returns dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
 Eigen::Vector2d RiccatiDirection::improvement(bool gaps) {
   Eigen::Vector2d d = Eigen::Vector2d::Zero();
   const std::size_t T = k_.size();
@@ -235,7 +235,7 @@ double RiccatiDirection::gap_improvement() {
   return dv;
 }
 
-// The reduction by a Newton step: half of Qu^T k.
+// Returns the reduction of the cost by a Newton step, half the sum of Qu^T k.
 double RiccatiDirection::expected_reduction() const {
   double out = 0;
   for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
@@ -276,7 +276,7 @@ void BoxDirection::resize() {
   }
 }
 
-// k solves the box QP, K = Quu^-1 Qxu^T for free controls. At limits K = 0, and Qu = 0, balanced by the multiplier.
+// Computes k by the box QP, and K = Quu^-1 Qxu^T for free controls. Sets K and Qu of controls at limits to zero.
 bool BoxDirection::compute_gains(std::size_t t) {
   const ActionModelAbstract& model = *part_.problem->model(t);
   if (model.get_nu() == 0) return true;
@@ -294,7 +294,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Uses the whole Quu, since the box QP's inverse would not move clamped controls; then omits controls at limits.
+// Solves with the whole Quu: the box QP's inverse is zero for clamped controls. Then sets controls at limits to zero.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

@@ -1,4 +1,4 @@
-// The verdict of SolverDDP on its result, and the ways in which it continues.
+// Tests whether a result of SolverDDP is optimal, and steps that continue from a result that is not optimal.
 
 #include <limits>
 
@@ -12,7 +12,7 @@ using Vectors = std::vector<Eigen::VectorXd>;
 
 namespace {
 
-// Returns the KKT residual with least-squares multipliers. The nodes must be differentiated at that motion.
+// Returns the KKT residual with least-squares multipliers. Nodes must have been differentiated at xs, us.
 double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, bool limits,
                        double scale) {
   Eigen::VectorXd work;
@@ -20,7 +20,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
       problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
 }
 
-// The accepted excess of cost over the optimum within limits: th_stop of solvers without limits, or rounding errors.
+// Returns the accepted excess of the cost over the optimum within limits: min(th_stop, 1e-9), at least rounding errors.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
 // Restores a number at the end of the scope.
@@ -31,20 +31,20 @@ struct Restore {
 
 }  // namespace
 
-// Before the stopping rule is met, predicted reductions may be below the cost's rounding errors; KKT residuals are not.
+// Decides by the KKT residual, because cost reductions below the cost's rounding error cannot be tested.
 StopReason SolverDDP::judgeWithoutStep() {
-  problem_->calc(xs_, us_);  // the data are those of the last trial step
+  problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   calcDiff();
   kkt_ = kkt_residual_of(*problem_, xs_, us_, false, kkt_scale_);
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Whether the expected reduction at the least regularisation is small too: large ones make every step short.
+// Whether the expected reduction is also small at the least regularisation: larger regularisations shorten every step.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
   preg_ = dreg_ = reg_min_ * scale_;
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
+  if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool stops =
       findDirection(true) &&
       expectedReduction() < std::max(th_stop_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
@@ -53,8 +53,8 @@ bool SolverDDP::stopsUnregularised() {
   return stops;
 }
 
-// Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. At a
-// regularised direction this is not conclusive, because Quu is too large.
+// Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. Returns
+// false for a regularised direction: its larger Quu makes this value too small.
 bool SolverDDP::isOptimalWithinLimits() {
   if (preg_ > reg_min_ * scale_) return false;
   problem_->calc(xs_, us_);
@@ -68,14 +68,14 @@ bool SolverDDP::isOptimalWithinLimits() {
   return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
 }
 
-// Crocoddyl's box rule omits the remaining motion of clamped controls from the expected improvement and the value
-// function, so that directions may not descend. The gradient of `descend` is exact.
+// Continues with `descend`, whose gradient is exact. Directions of Crocoddyl's box rule may not descend: expected
+// improvement and value function do not include how far clamped controls move.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   const Restore restore{th_stop_, th_stop_};
-  if (!stepped_) problem_->calc(xs_, us_);  // the data are those of the last trial step
+  if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  constexpr int kRounds = 20, kIdle = 3;  // rounds of one backward pass each; rounds in a row without gain
+  constexpr int kRounds = 20, kIdle = 3;  // most rounds (one backward pass each); most consecutive rounds without gain
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
@@ -98,7 +98,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   return StopReason::kNoStep;
 }
 
-// Continues from a candidate that meets the stopping rule; accepts steps whose gain is below the cost's rounding error.
+// Continues from a candidate that met th_stop. Accepts steps whose reduction is below the cost's rounding error.
 StopReason SolverDDP::polish(std::size_t maxiter) {
   const Restore restore{th_grad_, th_grad_};
   th_grad_ = std::max(th_grad_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_);
@@ -127,8 +127,8 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Directions from a candidate with gaps ignore the limits. Their steps may all be useless, and leave controls at
-// limits. The motion of the guess's controls has no gaps, and directions from it include the limits.
+// Makes the simulation of the guess's controls the candidate, if no step from a candidate with gaps was accepted. (Such
+// directions ignore the limits. Directions from a simulated motion, without gaps, include the limits.)
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];

@@ -12,18 +12,18 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, its limit and time.
+// The largest torque of one joint, the joint's limit, and the time of this torque.
 struct Torque {
   std::string name;
   double u = 0, limit = 0, time = 0;
   double share() const { return std::isfinite(limit) && limit > 0 ? std::abs(u) / limit : 0; }
 };
 
-// The forces of a group's contacts, along and across their normals.
+// The forces of a group of contacts, normal and tangential, over all nodes.
 struct Bore {
   int nodes = 0;
-  double least = INFINITY, most = 0;  // normal force, N
-  double ratio = 0, mu = INFINITY;    // tangential to normal; the smallest of the cones'
+  double least = INFINITY, most = 0;  // least and largest normal force [N]
+  double ratio = 0, mu = INFINITY;    // largest ratio of tangential to normal force; smallest friction of the cones
 };
 
 void add_force(const Eigen::Vector2d& pressure, double mu, Bore& bore) {
@@ -41,8 +41,7 @@ double friction_of(const TaskPhase& phase, int contact) {
   double mu = INFINITY;
   for (const auto* terms : {&phase.costs, &phase.constraints})
     for (const TaskTerm& term : *terms)
-      if (term.mu > 0 && std::ranges::count(term.contacts, contact) > 0)
-        mu = std::min(mu, term.mu);
+      if (term.mu > 0 && std::ranges::count(term.contacts, contact) > 0) mu = std::min(mu, term.mu);
   return mu;
 }
 

@@ -49,7 +49,7 @@ void check_charts(const Arguments& arguments, const std::string& path, const Tas
   check_folder("--charts", folder, names, others);
 }
 
-// Creates the folder for charts and checks that the plotting program exists, before hours of computation.
+// Creates the folder for charts, and checks that the plotting program exists. Called before the solve.
 void prepare_charts(const std::string& folder) {
   if (!find_python().draws) throw InputError(folder, 1, kNoCharts);
   std::error_code error;
@@ -70,7 +70,7 @@ int run_optimize(const Arguments& arguments) {
   const std::string path = scene_operand(arguments, "TASK");
   const std::optional<TaskSolver> solver = task_solver(arguments);
   const int threads = arguments.integer("--threads", 1, kMostThreads, 0);
-  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // throws now, not after hours
+  if (arguments.has("--simulate")) (void)arguments.positive("--simulate");  // throws for a wrong value before the solve
   const std::string out = arguments.required("--out");
   const auto json = arguments.value("--json"), charts = arguments.value("--charts");
   check_files(arguments, {path}, kFiles);
@@ -94,8 +94,8 @@ int run_optimize(const Arguments& arguments) {
                                                            return !stop.is_set();
                                                          }});
   problem.problem->calc(solution.xs, solution.us);
-  OptimizedTask motion{task, problem, solution, timeline(task), simulated(arguments, task, solution),
-                       cost_by_term(task, problem)};
+  OptimizedTask motion{
+      task, problem, solution, timeline(task), simulated(arguments, task, solution), cost_by_term(task, problem)};
   motion.findings = plan_findings(task, solution, motion.costs);
   for (PlanFinding& finding : guess_findings(task)) motion.findings.push_back(std::move(finding));
   write_trajectory(motion, out);

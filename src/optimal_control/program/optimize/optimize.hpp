@@ -25,7 +25,7 @@ struct OptimizedTask {
 /// Writes task, solution, findings and report as JSON to `path`; "-" is standard output. Throws InputError on failure.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
-/// Writes CSV in the columns of `simulate`: a row per node, except for impacts, whose time is that of the next node.
+/// Writes CSV in the columns of `simulate`: a row per node, except for impacts, which have the time of the next node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
@@ -39,11 +39,11 @@ void draw_charts(const OptimizedTask& motion, const std::string& folder);
 /// Records the states as frames of a view, with the torques and cones of the task.
 void record_motion(const OptimizedTask& motion, Recording& recording);
 
-/// The smallest friction coefficient of the contact's cones in this phase; infinite if there are none.
+/// Returns the smallest friction coefficient of the contact's cones in the phase; infinite without cones.
 double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
-/// Print parts of the summary: where robots and frames went, largest torques, contact forces.
+/// Print parts of the summary: motion of robots and frames, largest torques, contact forces, costs.
 void print_motion(std::ostream& out, const OptimizedTask& motion);
 void print_torques(std::ostream& out, const OptimizedTask& motion);
 void print_forces(std::ostream& out, const OptimizedTask& motion);

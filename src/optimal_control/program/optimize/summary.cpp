@@ -1,4 +1,4 @@
-// The readable summary of `optimize`: how it ended, what moved where, torques, forces, times.
+// The summary of `optimize` for users: reason of the end, motion of robots, torques, forces, times.
 
 #include <algorithm>
 
@@ -51,11 +51,11 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
       << count(s.us.size() - impacts, "node") << " of " << number(task.step) << " s"
       << (impacts > 0 ? " and " + count(impacts, "impact") : "") << ", "
       << kIntegrators[static_cast<int>(task.integrator)] << "; " << count(scene.nrobots(), "robot") << ", nv "
-      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(task.phases.size(), "phase")
-      << ", " << count(scene.contacts.size(), "contact") << "\n";
+      << scene.nv << ", " << count(scene.nu, "torque") << "; " << count(task.phases.size(), "phase") << ", "
+      << count(scene.contacts.size(), "contact") << "\n";
   if (s.solver == to_string(TaskSolver::kSparse) || motion.problem.parts.size() > 1)
-    out << "directions: " << s.direction << ", " << count(motion.problem.parts.size(), "part")
-        << ", " << count(motion.problem.blocks.size(), "block") << "\n";
+    out << "directions: " << s.direction << ", " << count(motion.problem.parts.size(), "part") << ", "
+        << count(motion.problem.blocks.size(), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
     out << "the states have gaps: they are not what the torques lead to\n";
   print_constraints(out, s);

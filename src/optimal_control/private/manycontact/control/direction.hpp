@@ -1,9 +1,9 @@
 #pragma once
-// A search direction of SolverDDP: the linear-quadratic problem around the candidate of a subproblem (only SolverSparse
-// has several), its solution and feedback. Solvers decide on line search, regularisation and stopping, by sums.
+// A search direction of SolverDDP: the solution of the linear-quadratic problem around the candidate of a subproblem,
+// with its feedback gains. Only SolverSparse has several subproblems. Solvers choose step length and regularisation.
 //
-//   RiccatiDirection   the recursion of ddp.hpp, on nodes of matrices (control/riccati_direction.hpp)
-//   BoxDirection       the same with the models' limits on controls
+//   RiccatiDirection   the recursion of ddp.hpp, on dense derivatives of nodes (control/riccati_direction.hpp)
+//   BoxDirection       RiccatiDirection with the models' limits on controls
 //   CoupledDirection   coupled robots, by an lq::DirectionSolver (control/coupled_direction.hpp)
 
 #include "manycontact/detail/control/parts.hpp"
@@ -15,62 +15,62 @@ class Direction {
   using Vectors = std::vector<Eigen::VectorXd>;
 
   virtual ~Direction() = default;
-  /// The subproblem, and its coordinates among the solver's.
+  /// The subproblem, and the indices of its coordinates in the solver's x, dx, u.
   const ShootingPart& part() const { return part_; }
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
   virtual const char* name() const = 0;  // method of the direction
-  /// The sizes of the matrices factorized at a node, each the largest over all nodes.
+  /// The sizes of the dense matrices that are factorized per node; each is the largest over all nodes.
   virtual std::vector<int> blocks() const;
-  /// The policy of some of the part's coordinates: u = us - K (x (-) xs) if the direction is zero.
+  /// The feedback of some of the subproblem's coordinates: u = us - s k - K (x (-) xs) for a step of length s.
   struct Gains {
     std::vector<int> dx, u;  // indices among the solver's coordinates
     Eigen::MatrixXd K;
   };
-  /// Returns the gains of node t, which together contain each control once; empty before a direction is computed.
+  /// Returns the gains of node t. Each control is in one entry. Empty before a direction is computed.
   virtual std::vector<Gains> gains(std::size_t t) const = 0;
 
-  /// Gradients of the value function (T + 1), feed-forward terms (T): u = us - s k - ... for a step of length s.
+  /// Vx: gradients of the value function (T + 1). k: feed-forward terms (T), which a step of length s multiplies by -s.
   const Vectors& get_Vx() const { return Vx_; }
   const Vectors& get_k() const { return k_; }
 
   // ---- interface for the solvers
 
-  /// resize fits the memory to the problem's nodes; follow takes other nodes with the same coordinates.
+  /// resize allocates memory for the problem's nodes; follow replaces the subproblem by one with the same coordinates.
   virtual void resize();
   void follow(ShootingPart part) { part_ = std::move(part); }
-  /// Copies the subproblem's share of the solver's candidate. fs: gaps, used unless is_feasible.
+  /// Copies the subproblem's share of the solver's candidate. fs: gaps, ignored if is_feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
   /// Computes Vx, k and intermediate results at the candidate. Returns false for non-finite numbers or nonconvexity.
   virtual bool compute(double preg, double dreg) = 0;
-  /// Computes the trial states, controls and cost, with the gaps of the running nodes (of the terminal one) shortened
-  /// by the step length only. The cost is NaN if numbers are not finite.
+  /// Computes the trial states and controls; returns the cost, NaN if numbers are not finite. keep_gaps,
+  /// keep_terminal_gap: gaps of running nodes, or of the terminal node, are multiplied by 1 - steplength, else closed.
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// Returns (dg, dq): a step of length s should reduce the cost by s (dg + s dq / 2); gaps: include their terms.
+  /// Returns (dg, dq): the expected reduction by a step of length s is s (dg + s dq / 2). gaps: includes terms of gaps.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
   virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp, at the trial states
   virtual double expected_reduction() const = 0;  // the expected reduction of a full step from a candidate without gaps
 
-  /// Used by SolverDDP::descend: sets k = -nu for the next steps; computes the gradient at the controls tried, at nodes
-  /// that are differentiated; and replaces g by H^-1 g, where H is Gauss-Newton's Hessian with respect to nu.
+  /// Functions for SolverDDP::descend: they set k = -nu, compute the gradient g at the trial controls from
+  /// differentiated nodes, or replace g by H^-1 g, where H is the Gauss-Newton Hessian with respect to nu.
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  virtual void hold_feed_forward(Vectors&) {}  // sets controls to zero that were at a limit at the last gradient
-  virtual void set_scale(double) {}            // sets the size of the cost, which thresholds depend on
+  virtual void hold_feed_forward(Vectors&) {}  // sets entries of controls to zero that were at a limit in the gradient
+  virtual void set_scale(double) {}            // sets the size of the cost, by which thresholds are multiplied
 
  protected:
-  /// is_whole: the part is the solver's whole problem, in its order, and follows its nodes.
+  /// is_whole: the subproblem is the solver's whole problem, with its coordinates in the same order.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
   virtual void step_control(std::size_t t, double steplength) = 0;  // sets us_try[t] at xs_try[t]
 
   ShootingPart part_;
-  // The part's components of the solver's candidate and of the trial point.
+  // The subproblem's share of the solver's candidate, and of the trial step.
   Vectors xs_, us_, fs_, xs_try_, us_try_;
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;        // T + 1, T, T
   Eigen::VectorXd step_;       // ndx: workspace
-  bool held_changed_ = false;  // the set of controls at limits differs from that of the previous gradient
+  bool held_changed_ = false;  // the last gradient has other controls at limits than the gradient before it
 
  private:
   friend class SolverDDP;

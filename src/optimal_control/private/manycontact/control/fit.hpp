@@ -1,5 +1,5 @@
 #pragma once
-// Fits vectors and matrices to a problem's nodes (set to zero only if their sizes change); checks of their numbers.
+// Resizes vectors and matrices for a problem's nodes, and checks numbers. Only arrays whose sizes change are set to 0.
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@ void fit(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
   if (x.rows() != rows || x.cols() != cols) x.setZero(rows, cols);
 }
 
-/// Fits `count` vectors of one size in each of the lists.
+/// Resizes each list to `count` vectors of the given size.
 template <class... Lists>
 void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   (lists.resize(count), ...);
@@ -27,7 +27,7 @@ void fit_controls(const ShootingProblem& problem, Lists&... lists) {
   for (std::size_t t = 0; t < problem.get_T(); ++t) (fit(lists[t], problem.model(t)->get_nu()), ...);
 }
 
-/// Moves controls that exceed the node's limits onto them.
+/// Clamps the controls u to the limits of the node.
 inline void keep_limits(const ActionModelAbstract& model, Eigen::VectorXd& u) {
   if (model.get_has_control_limits()) u = u.cwiseMax(model.get_u_lb()).cwiseMin(model.get_u_ub());
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The backward pass of SolverDDP (ddp.hpp) on matrices, or on panels of IntegratedActionModelEuler; BoxDirection with a
-// box QP per node (box_solvers.hpp). Nodes of symplectic Euler take half the operations (lq/riccati_step.hpp).
+// The backward pass of SolverDDP (ddp.hpp), on dense derivatives or panels of IntegratedActionModelEuler. For nodes of
+// symplectic Euler it takes half the operations (lq/riccati_step.hpp). BoxDirection solves a box QP per node.
 
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/direction.hpp"
@@ -12,15 +12,15 @@ class RiccatiDirection : public Direction {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// keeps_values: stores Vxx, Qxx, Qxu, Quu of all nodes, not of the current one alone; doubles the memory of a node.
+  /// keeps_values: stores Vxx, Qxx, Qxu, Quu of all nodes, not only of the current node; a node takes twice the memory.
   RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values)
       : Direction(std::move(part), is_whole), keeps_values_(keeps_values) {}
 
   const char* name() const override { return "Riccati"; }
   std::vector<Gains> gains(std::size_t t) const override;
 
-  /// Do one node's step of the pass, from the value function of the next node. compute_gains and compute_value_function
-  /// need the node of the last compute_action_value_function, else they throw std::invalid_argument.
+  /// Do the step of node t, from the value function of node t + 1: first compute_action_value_function, then
+  /// compute_gains and compute_value_function. std::invalid_argument is thrown for a wrong order.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
   /// Returns false if Quu is not positive definite.
   virtual bool compute_gains(std::size_t t);
@@ -45,7 +45,7 @@ class RiccatiDirection : public Direction {
  protected:
   void step_control(std::size_t t, double steplength) override;
   virtual void limit_control(std::size_t) {}  // moves us_try[t] onto the limits
-  /// Sets gradient entries of node t to zero for controls at limits that a step would exceed, and fixes these.
+  /// Sets gradient entries of node t to zero for controls at limits that a descent would exceed, and records them.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -60,7 +60,7 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  Eigen::MatrixXd two_values_[2];           // used instead of Vxx_: those of the last two nodes of the pass
+  Eigen::MatrixXd two_values_[2];           // Vxx of nodes t and t + 1 of the pass, used if keeps_values_ is false
   Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
@@ -68,7 +68,7 @@ class RiccatiDirection : public Direction {
   std::size_t node_ = kNoNode;  // node whose Hessians are in riccati_
 };
 
-class BoxDirection : public RiccatiDirection {  // respects the models' control limits
+class BoxDirection : public RiccatiDirection {  // A direction within the models' control limits.
  public:
   BoxDirection(ShootingPart part, bool is_whole)
       : RiccatiDirection(std::move(part), is_whole, true), qp_(part_.problem->model(0)->get_nu(), 100, 0.1, 1e-5, 0) {}
@@ -89,7 +89,7 @@ class BoxDirection : public RiccatiDirection {  // respects the models' control 
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
   Eigen::VectorXd du_lb_, du_ub_;        // bounds of du at the current node
-  std::vector<std::vector<bool>> held_;  // controls at limits, of the last feed-forward gradient
+  std::vector<std::vector<bool>> held_;  // whether each control of each node was at a limit in the last gradient
 };
 
 }  // namespace manycontact

@@ -1,7 +1,7 @@
 #pragma once
-// Factorizes a sparse symmetric matrix of dense blocks, S = L D L^T, where D = +-I has given signs: Cholesky of each
-// diagonal block or of its negative. The factor exists in every order if S is quasi-definite (Vanderbei 1995): positive
-// definite in the part with positive signs, negative definite in the other.
+// Factorizes a sparse symmetric matrix of dense blocks, S = L D L^T. D is diagonal with entries +1 or -1, the given
+// sign of each diagonal block: the pivot block times its sign has a Cholesky factor. The factor exists in every order
+// of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for sign -1.
 
 #include <Eigen/Core>
 #include <utility>
@@ -22,15 +22,15 @@ class BlockCholesky {
   void analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges);
 
   void set_zero();
-  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place if that is another one
-  /// (M on the diagonal is symmetric).
+  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place. A symmetric M on the
+  /// diagonal is added once.
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
   void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 
-  /// Adds `relative` times the largest entry of a vertex's rows to its diagonal, by sign, to make S quasi-definite.
+  /// Adds sign * relative * (largest entry of a vertex's rows) to each vertex's diagonal: S becomes quasi-definite.
   void add_proximal_term(double relative);
 
-  /// Returns the first vertex with a pivot below `least` times its terms (or of wrong sign); -1 if there is none.
+  /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, else -1.
   [[nodiscard]] int factorize(double least);
   void solve(Eigen::VectorXd& x) const;  // x <- S^-1 x, x by vertex
 
@@ -45,7 +45,7 @@ class BlockCholesky {
   };
   struct Column {
     Eigen::MatrixXd diagonal;  // lower triangle
-    Eigen::MatrixXd panel;     // blocks below the diagonal, one under the other
+    Eigen::MatrixXd panel;     // all blocks below the diagonal, stacked by rows
     std::vector<Below> below;  // ascending
   };
   Eigen::Ref<Eigen::MatrixXd> block(int u, int v);  // u > v

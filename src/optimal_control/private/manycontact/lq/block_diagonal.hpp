@@ -24,7 +24,7 @@ struct BlockDiagonal {
   std::vector<Part> parts;  // ascending
 };
 
-// C <- beta C + (product), where beta is 0 or 1. C must not be one of the other arguments.
+// C <- beta C + (product in the comment), where beta is 0 or 1. C must not be one of the other arguments.
 void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);   // D X
 void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^T X
 void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D

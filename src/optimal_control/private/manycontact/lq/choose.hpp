@@ -9,11 +9,11 @@ namespace manycontact::lq {
 struct Prediction {
   double dense, islands, coupling_schur;  // operations of factorize
 };
-/// Predicts the operations from the structure alone.
+/// Predicts the operations of the three methods from sizes, groups and couplings.
 Prediction predict(const Problem& problem);
 
-/// Chooses Riccati by islands (dense if all blocks are coupled), or the Schur complement of couplings if predicted to
-/// cost less, or if a terminal knot has more equations than w, which Riccati cannot solve. The result is analysed.
+/// Returns a solver on which analyse(problem) was called: Riccati by islands, which is dense if all blocks are coupled.
+/// It is CouplingSchur instead if this costs less, or if the terminal knot has more equations than variables w.
 std::unique_ptr<DirectionSolver> choose(const Problem& problem);
 
 }  // namespace manycontact::lq

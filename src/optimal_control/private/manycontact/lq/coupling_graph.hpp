@@ -1,12 +1,12 @@
 #pragma once
-// Relates couplings to clusters: those on each cluster in each knot, and offsets of w, mu in coupling_schur.hpp's S.
+// Lists each cluster's couplings, and the places of their variables y = (w, mu) in coupling_schur.hpp's matrix S.
 
 #include "manycontact/lq/block_cholesky.hpp"
 #include "manycontact/lq/plan.hpp"
 
 namespace manycontact::lq {
 
-/// w or mu of one coupling, as part of a cluster's y in a knot.
+/// The w or the mu of one coupling, as a part of the vector y of a cluster in a knot.
 struct CouplingPart {
   int coupling;
   bool is_w;
@@ -14,13 +14,13 @@ struct CouplingPart {
   int vertex, offset;  // place in the Schur complement
 };
 
-struct CouplingNode {
-  int cluster = 0;  // index of the cluster in the plan's knot
+struct CouplingNode {  // The couplings of one cluster in one knot.
+  int cluster = 0;     // index of the cluster in the plan's knot
   std::vector<CouplingPart> parts;
   int size = 0;  // size of y
 };
 
-/// Place of a coupling's w and mu: vertex and first row in it.
+/// The place of a coupling's w and mu in S: the vertex, and the first row in this vertex.
 struct CouplingPlace {
   int w, w_offset, mu, mu_offset;
 };
@@ -28,12 +28,12 @@ struct CouplingPlace {
 struct CouplingGraph {
   std::vector<std::vector<CouplingNode>> nodes;    // indexed by cluster of knot 0, then by knot
   std::vector<std::vector<CouplingPlace>> places;  // indexed by knot, then by coupling
-  /// Vertices in elimination order. Couplings that touch the same clusters in any knot share two: all their mu (even,
-  /// sign -1), then all their w (sign +1), knot by knot. Minimum degree (CAMD) on the graph of pairs orders them.
+  /// Vertices in elimination order (CAMD, minimum degree). Couplings of any knots that connect the same clusters have
+  /// one pair of vertices: all their mu (even number, sign -1), then all their w (sign +1), knot by knot.
   std::vector<BlockCholesky::Vertex> vertices;
   std::vector<std::pair<int, int>> edges;
   std::vector<std::vector<int>>
-      of_cluster;  // one entry per cluster: the vertices of its couplings; every coupling in them touches it
+      of_cluster;  // one entry per cluster: the vertices of the couplings that connect this cluster
 };
 
 /// plan: made with Join::kNoCouplings.

@@ -1,11 +1,10 @@
 #pragma once
-// Coupled blocks without one dense value function. Each cluster of blocks (those that groups couple in any knot) has a
-// Riccati recursion of its own, as if the couplings' y = (w, mu) were given. A symmetric system in all y remains,
-//
-//   S y + s = 0,    sparse over the graph of couplings, dense in time,
-//
-// factorized by blocks (block_cholesky.hpp). A block of S is the response of cluster c to y of knot l in the equations
-// of knot j. With the cluster's K, P, Qvv = L L^T, the closed loop F = A + B K, and in knot l the terms of y in q, r, f
+// Solves coupled blocks by a Schur complement, without one dense value function. A cluster is a set of blocks that
+// groups join in any knot. Each cluster has a Riccati recursion of its own, as if the couplings' variables y = (w, mu)
+// were given. A symmetric system S y + s = 0 in all y remains, sparse over the graph of couplings, dense in time. It is
+// factorized by blocks (block_cholesky.hpp). Block S_jl sums over clusters the effect of y_l (y of knot l) on the
+// equations of the couplings in knot j. Notation: a cluster's K, P, Qvv = L L^T (riccati.hpp), the closed loop
+// F = A + B K, and the coefficients Gx, Gu, E of y in q, r, f of knot l:
 //
 //   Gx = [S_w  C^T]      Gu = [R_uw  D_u^T]      E = [B_w  0]      g = Gu + B^T P+ E
 //   pi_l    = Gx + K^T Gu + F^T P+ E                       gradient of the value function by y_l
@@ -14,12 +13,12 @@
 //   S_ll    = [R_ww  D_w^T; D_w  0] + E^T P+ E - g^T Qvv^-1 g - pi_l^T W_l pi_l
 //   S_jl    = theta_j^T F_(j+1)^T ... F_(l-1)^T pi_l       j < l
 //
-// the last by one sweep backward over all columns of a vertex at once. This takes n^2 (m T) T operations per cluster,
-// where n is the number of its states and m that of its y in a knot, in addition to the T n^3 of its Riccati recursion.
-// Chains and trees of robots then cost (m T)^3 for each coupling. mu is eliminated before w, coupling by coupling. S is
-// quasi-definite if the costs are convex and strictly convex in u. If a part of it is only semidefinite, a proximal
-// term is added, which refinement removes. Couplings that are dependent and consistent then have a solution, one of
-// many mu and w. If they are inconsistent, the KKT error shows it (kInaccurate).
+// One backward sweep computes S_jl for all columns of a vertex of S. The sweeps take n^2 (m T) T operations per cluster
+// of n states and m numbers y per knot; the Riccati recursion takes T n^3. The factorization of S for chains and trees
+// of robots takes (m T)^3 per coupling. For each coupling mu is eliminated before w. S is quasi-definite if the costs
+// are convex, and strictly convex in u. If S is only semidefinite, a proximal term is added, and iterative refinement
+// removes its error. Dependent, consistent couplings then have a solution with one of many possible mu and w.
+// Inconsistent couplings leave a large KKT error (kInaccurate).
 
 #include "manycontact/lq/coupling_graph.hpp"
 #include "manycontact/lq/riccati.hpp"
@@ -31,7 +30,7 @@ class CouplingSchur : public DirectionSolver {
   const char* name() const override { return "Schur complement of couplings"; }
   double flops() const override { return flops_; }
 
-  /// The clusters' own recursions: their policies are feedback about the solution, at constant w and mu.
+  /// The Riccati recursions of the clusters. Their policies are feedback about the solution, for constant w and mu.
   const Riccati& clusters() const { return riccati_; }
 
  protected:
@@ -52,7 +51,7 @@ class CouplingSchur : public DirectionSolver {
   BlockCholesky schur_;
   double flops_ = 0;
 
-  // The terms of the current cluster, by knot.
+  // Workspace of the current cluster; F_, pi_, theta_ by knot.
   bool by_steps_ = false;
   std::vector<std::vector<double>> F_, pi_, theta_;
   std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, Z_, Z_next_;

@@ -1,12 +1,12 @@
 #pragma once
-// One interface for every way to solve a linear-quadratic problem:
+// The interface of the solvers of a linear-quadratic problem:
 //
-//   solver.analyse(problem);                          structure: sizes, groups, couplings; takes the memory
-//   Outcome o = solver.factorize(problem, reg);       Q S R A B C D
-//   if (o.status == Status::kOk) o = solver.solve(problem, z);   q r f d x0: the optimum z, refined and judged
+//   solver.analyse(problem);                      reads the structure (sizes, groups, couplings); allocates
+//   Outcome o = solver.factorize(problem, reg);   reads Q S R A B C D
+//   if (o.status == Status::kOk) o = solver.solve(problem, z);   reads q r f d x0; refines z, computes its KKT error
 //
 // factorize and solve allocate nothing (except temporaries of Eigen, for products of blocks beyond 128 KB). They throw
-// std::invalid_argument for a structure other than the analysed one.
+// std::invalid_argument if the structure differs from that of the analysed problem.
 
 #include <vector>
 
@@ -19,21 +19,21 @@ enum class Status {
   kNotConvex,   // the Hessian with respect to a knot's controls is not positive definite (larger reg.u may help)
   kSingular,    // the equations of couplings depend on each other, or do not determine w (reg.rows may help)
   kNotFinite,   // overflow, or NaN in the problem
-  kInaccurate,  // solved, but the KKT error stays above kAccurate: z is to be judged by kkt_error
+  kInaccurate,  // solved, but the KKT error remains above kAccurate after refinement
 };
 
-struct Outcome {  // result of one solve
+struct Outcome {  // The result of a factorization or of a solve.
   Status status = Status::kOk;
   int knot = -1;         // number of the knot that failed, or -1
   double kkt_error = 0;  // KKT error of the returned z: largest relative error over the equations (kkt.hpp)
   int refinements = 0;
 };
 
-/// KKT error up to which a solution is accepted: three orders above the rounding errors of a sum over T = 1000 knots,
-/// and four below the accuracy that a Newton step needs.
+/// KKT error up to which a solution is accepted. It is 1000 times the rounding error of a sum over T = 1000 knots, and
+/// 1e-4 times the accuracy that a Newton step needs.
 inline constexpr double kAccurate = 1e-10;
 
-/// KKT error above which a solution is refined: its effect on a step is far below the accuracy of Newton's method.
+/// KKT error above which a solution is refined. A smaller error has no effect on the convergence of Newton's method.
 inline constexpr double kRefineAbove = 1e-13;
 
 class DirectionSolver {
@@ -45,19 +45,19 @@ class DirectionSolver {
   [[nodiscard]] Outcome solve(const Problem& problem, Point& z);
 
   virtual const char* name() const = 0;
-  /// Operations (additions and multiplications) of factorize, predicted from the structure as if no group had steps.
+  /// Operations (additions and multiplications) of factorize, predicted without Group::steps.
   virtual double flops() const = 0;
 
-  int max_refinements = 3;  // corrections of iterative refinement, at most
+  int max_refinements = 3;  // largest number of corrections by iterative refinement
 
  protected:
   virtual void do_analyse(const Problem& problem) = 0;
   virtual Outcome do_factorize(const Problem& problem, const Regularisation& reg) = 0;
-  /// Computes the z with H z + h = 0. first: the solve itself, not a correction.
+  /// Solves H z + h = 0 (kkt.hpp) for z. first: true for the solve itself, false for a correction of refinement.
   virtual void do_solve(const Problem& problem, const Point& h, Point& z, bool first) = 0;
 
   Layout layout_;
-  int extra_refinements_ = 0;  // further refinements, for a factor that differs from H on purpose
+  int extra_refinements_ = 0;  // further refinements, if the factor includes a proximal term that H does not have
 
  private:
   void expect_same_structure(const Problem& problem) const;

@@ -1,5 +1,5 @@
 #pragma once
-// The plan of a recursion: the blocks whose value functions form one matrix, in each knot.
+// The plan of a Riccati recursion: in each knot the sets of blocks (clusters) that have one value function together.
 
 #include <vector>
 
@@ -7,37 +7,37 @@
 
 namespace manycontact::lq {
 
-/// A part of a group's vector, and its offset in that of its cluster.
+/// A part of a vector of a group (offset `from`), and its offset `to` in the vector of the cluster.
 struct Piece {
   int from, size, to;
 };
 
-struct Member {
+struct Member {  // A group of a cluster.
   int group;
-  int x, nx;                // first index of its states in the cluster's x, and their number
+  int x, nx;                // first index of the group's states in the cluster's x, and number of these states
   std::vector<Piece> v;     // u, and w of the couplings within the cluster
   std::vector<Piece> rows;  // equations of the couplings within the cluster
 };
 
-/// Blocks joined in this knot or later: the value function's block. Its states are its members' one after the other,
-/// its controls v the members' u, then the w of its couplings.
+/// A set of blocks that are joined in this knot or later, and have one value function. Its state is the members' states
+/// in sequence. Its controls v are the members' u, then the variables w of the couplings within the cluster.
 struct Cluster {
   std::vector<int> blocks;   // listed in the order of the members
   std::vector<int> x_start;  // start of each block in the cluster's x
   std::vector<int> u_start;  // start of each block in the cluster's u
   std::vector<Member> members;
-  std::vector<int> couplings;  // within the cluster: eliminated with the controls
+  std::vector<int> couplings;  // couplings within the cluster, which are eliminated with the controls
   std::vector<int> w_start;    // start of each coupling's w in v
   std::vector<int> row_start;
-  std::vector<int> next;       // clusters of the next knot that compose this one
-  bool next_in_order = false;  // one cluster, with the same blocks in the same order
+  std::vector<int> next;       // clusters of the next knot that have the same blocks together
+  bool next_in_order = false;  // whether `next` is one cluster, with the blocks in the same order
   int nx = 0, nu = 0, nv = 0, rows = 0;
 };
 
 enum class Join {
-  kAll,          // one cluster: dense
+  kAll,          // one cluster of all blocks: a dense recursion
   kIslands,      // one cluster per set of blocks that groups and couplings join in the knot or later
-  kNoCouplings,  // one cluster per set of blocks that groups join in any knot; couplings stay between clusters
+  kNoCouplings,  // one cluster per set of blocks that groups join in any knot; couplings connect clusters
 };
 
 using Plan = std::vector<std::vector<Cluster>>;  // one entry per knot

@@ -1,16 +1,16 @@
 #pragma once
 // The Riccati recursion, on one dense block or by clusters of blocks ("islands through time").
 //
-// The value function of knot k, V(x) = 1/2 x^T P x + p^T x + const, is block diagonal over the clusters: blocks that
-// groups or couplings join in knot k or later. Going backward, with t = p+ + P+ f,
+// The value function of knot k, V(x) = 1/2 x^T P x + p^T x + const, is block diagonal over the clusters: sets of blocks
+// that groups or couplings join in knot k or later. For k = T ... 0, with P+, p+ of knot k + 1, and t = p+ + P+ f:
 //
 //   Qxx = Q + A^T P+ A     Qxv = S + A^T P+ B     Qvv = R + B^T P+ B     qx = q + A^T t     qv = r + B^T t
 //   [ Qvv    D^T    ] [ K  k  ]     [ Qxv^T  qv ]
 //   [ D   -reg.rows ] [ K' k' ] = - [ C      d  ]        v = K x + k,  mu = K' x + k'
 //   P = Qxx + Qxv K + C^T K'       p = qx + K^T qv + K'^T d
 //
-// This uses Cholesky if a cluster has no rows, else LU. N separate blocks cost N T n^3. Equations on x alone in the
-// terminal knot cannot be satisfied (kSingular without reg.rows).
+// Qvv is factorized by Cholesky; the matrix with D by LU, if a cluster has couplings. N separate blocks of n states
+// take N T n^3 operations. Equations on x alone in the terminal knot are not solved (kSingular without reg.rows).
 
 #include <Eigen/LU>
 
@@ -20,19 +20,19 @@
 
 namespace manycontact::lq {
 
-class Riccati : public DirectionSolver {  // the recursion, dense or by islands through time
+class Riccati : public DirectionSolver {  // The Riccati recursion, dense or by clusters.
  public:
-  /// The policy of a cluster in a knot, in the order of its Cluster. factorize computes K and P, solve k and p.
+  /// The policy of a cluster in a knot. factorize computes K and P, solve computes k and p.
   struct Policy {
     Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, whose first nu rows are u
     Eigen::VectorXd k;
     Eigen::MatrixXd P;  // nx x nx
     Eigen::VectorXd p;  // value function's gradient at x = 0
-    Eigen::MatrixXd L;  // Qvv = L L^T in its lower triangle; where there are rows: the matrix that lu factorizes
+    Eigen::MatrixXd L;  // lower triangle L of Qvv = L L^T; with couplings the matrix that lu factorizes
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
   };
 
-  /// kAll: the dense recursion, a reference. kIslands: by clusters. kNoCouplings: as if the couplings' w, mu were zero.
+  /// kAll: a dense recursion. kIslands: by clusters. kNoCouplings: as if the variables w, mu of couplings were zero.
   explicit Riccati(Join join) : join_(join) {}
 
   const char* name() const override;
@@ -41,9 +41,9 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   const Plan& plan() const { return plan_; }
   const Policy& policy(int knot, int cluster) const { return policies_[knot][cluster]; }
 
-  /// Returns P+ of the next knot in the order of this knot's cluster: a copy in the workspace if the orders differ.
+  /// Returns P of the next knot, with states in the order of this knot's cluster (a copy if the orders differ).
   Eigen::Ref<const Eigen::MatrixXd> next_value(const Problem& problem, int knot, int cluster);
-  /// Returns the symplectic structure of a cluster that is one group; nullptr if it has none.
+  /// Returns Group::steps of a cluster of a single group; nullptr for other clusters, and if steps is not set.
   const SymplecticStructure* steps(const Problem& problem, int knot, int cluster) const;
 
  protected:
@@ -57,7 +57,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   void expand_next_value(const Problem& problem, int k, int c);
   Status eliminate(const Problem& problem, int k, int c, const Regularisation& reg);
   Status eliminate_with_rows(const Problem& problem, int k, int c, const Regularisation& reg);
-  /// Computes x, u, lambda (w, mu of clusters' couplings) of the z with H z + h = 0; leaves the policies unchanged.
+  /// Computes x, u, lambda (and w, mu of clusters' couplings) of H z + h = 0. Does not change the policies.
   void pass(const Problem& problem, const Point& h, Point& z);
   void backward(const Problem& problem, const Point& h, int k);
   void forward(const Problem& problem, const Point& h, int k, Point& z);
@@ -66,7 +66,7 @@ class Riccati : public DirectionSolver {  // the recursion, dense or by islands 
   Plan plan_;
   double flops_ = 0;
   std::vector<std::vector<Policy>> policies_;
-  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // current pass's terms; corrections are added to the policies'
+  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // k and p of the current solve or correction, by knot and cluster
   std::vector<int> x_of_block_;
   RiccatiStep step_;                      // workspace of the current cluster
   std::vector<double> next_, with_rows_;  // workspace

@@ -1,13 +1,13 @@
 #pragma once
-// One step of the Riccati recursion on dense matrices, with P+ of the next knot's value function:
+// One step of the Riccati recursion on dense matrices: controls v, states x, P+ of the next knot, t = p+ + P+ f.
 //
 //     [ Qvv  Qvx ]   [ R  S^T ]                                [ qv ]
 //     [ Qxv  Qxx ] = [ S  Q   ] + F^T P+ F,    F = [B  A],     [ qx ] += F^T t
 //
 //     K = Qvv^-1 Qvx by Qvv = L L^T,    P = Qxx - Qxv K
 //
-// Panels are row-major, v first; x begins at a column that is a multiple of eight (sparse/panel_kernels.hpp). Only the
-// upper triangle of H by rows is computed, which is the lower one of Eigen's column-major matrices.
+// H is the matrix on the left. F and H are row-major: columns of v, then of x, which begin at a multiple of eight
+// (sparse/panel_kernels.hpp). Only the upper triangle of H is computed, the lower triangle of a column-major matrix.
 
 #include "manycontact/lq/plan.hpp"
 
@@ -18,41 +18,41 @@ class RiccatiStep {
   using Matrix = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
   using ConstMatrix = const Eigen::Ref<const Eigen::MatrixXd>&;
 
-  /// Resizes the workspace for nv columns of v and nx of x. Allocates nothing if it was as large before.
+  /// Resizes the workspace for nv columns of v and nx of x. Allocates only if the workspace was smaller before.
   void lay_out(int nv, int nx);
 
-  /// Set F = [B A] or a part with the given first row and column. With SymplecticStructure F has only the lower halves.
+  /// Copy A or B into F = [B A], from the given row and column on. With SymplecticStructure, only their lower halves.
   void set_A(ConstMatrix A, int row = 0, int column = 0);
   void set_B(ConstMatrix B, int row = 0, int column = 0);
-  /// Row i of F: nv numbers of v, and from x_start() on nx of x.
+  /// Row i of F: nv numbers of B, then from x_start() on nx numbers of A.
   double* row(int i) { return F_.data() + static_cast<std::ptrdiff_t>(i) * ld_; }
   int x_start() const { return u_; }
 
   void multiply(ConstMatrix P);  // H = F^T P F
-  /// Computes H in half the operations, if F is [J 0; 0 0] + [G; 1] F_z in x and [G; 1] F_z in v. F_z: the rows set.
+  /// Computes H in half the operations for the structure of `steps`. F contains the lower halves of A and B.
   void multiply(ConstMatrix P, const SymplecticStructure& steps);
-  /// Computes H if each member's rows of F have entries in its own columns alone.
+  /// Computes H if the rows of F of each member have nonzeros only in the columns of this member.
   void multiply(ConstMatrix P, const std::vector<Member>& members);
   void set_zero();  // sets H = 0 in a terminal knot
 
-  /// The blocks of H, of Qvv and Qxx the lower triangles.
+  /// The blocks of H. Only the lower triangles of Qvv and Qxx are set.
   Matrix Qvv() { return {H_.data(), nv_, nv_, Eigen::OuterStride<>(ld_)}; }
   Matrix Qxv() { return {H_.data() + u_, nx_, nv_, Eigen::OuterStride<>(ld_)}; }
   Matrix Qxx() { return {H_.data() + static_cast<std::ptrdiff_t>(u_) * ld_ + u_, nx_, nx_, Eigen::OuterStride<>(ld_)}; }
 
-  /// Computes qv = B^T t, qx = A^T t, with F as for the last multiply.
+  /// Computes qv = B^T t, qx = A^T t from F = [B A]; `steps` as in the last call of multiply.
   void multiply_vector(const Eigen::VectorXd& t, const SymplecticStructure* steps, Eigen::Ref<Eigen::VectorXd> qv,
                        Eigen::Ref<Eigen::VectorXd> qx);
 
   /// Computes L L^T = Qvv and K = Qvv^-1 Qvx. Returns false if a pivot is below `least` times its diagonal entry.
   [[nodiscard]] bool eliminate(Eigen::MatrixXd& L, double least);
-  /// K^T: nx x nv, by eliminate or as the caller sets it.
+  /// K^T (nx x nv), computed by eliminate, or set by the caller.
   Matrix Kt() { return {K_.data(), nx_, nv_, Eigen::OuterStride<>(ld_)}; }
   void value(Eigen::MatrixXd& P);  // P = Qxx - Qxv K, both triangles
 
  private:
-  int nv_ = 0, nx_ = 0, u_ = 0, ld_ = 0;  // u_: where x begins; ld_: columns of a row
-  std::vector<double> F_, PF_, H_, K_;    // nx, nx, u_ + nx and nv rows
+  int nv_ = 0, nx_ = 0, u_ = 0, ld_ = 0;  // u_: first column of x; ld_: allocated columns of a row
+  std::vector<double> F_, PF_, H_, K_;    // row-major matrices of nx, nx, u_ + nx and nv rows
   std::vector<double> Z_, qs_, halves_;   // workspace
   Eigen::VectorXd g_, j_;
 };

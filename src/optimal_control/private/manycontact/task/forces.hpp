@@ -4,8 +4,8 @@
 
 namespace manycontact {
 
-/// Returns the forces in running node t at the problem's last calc (with RK at its first stage), per contact of the
-/// scene, in the contact's reference frame on A. Empty for contacts that are not active, and at an impact.
+/// Returns one vector per contact of the scene: the force on A in running node t at the problem's last calc, in the
+/// contact's reference frame (Runge-Kutta: at the first stage). Empty for inactive contacts, and at an impact.
 std::vector<Eigen::VectorXd> contact_forces(const TaskFile& task, const TaskProblem& problem, std::size_t t);
 
 }  // namespace manycontact

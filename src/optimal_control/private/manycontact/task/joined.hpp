@@ -1,21 +1,21 @@
 #pragma once
-// Divides a coupled subproblem into blocks of ActionModelParts, if contacts between bodies are its only couplings.
+// Divides a coupled subproblem into blocks of ActionModelParts, if only contacts between bodies couple its robots.
 
 #include "manycontact/io/task_file.hpp"
 
 namespace manycontact {
 
-/// Divides the task's robots into blocks, each ascending, ordered by first robot. These couple robots into one block: a
-/// contact that cannot be a coupling (of a fixed base), a cost or constraint on a contact between them, centre of mass
-/// or momentum of the whole scene, and residuals of torques with the couplings' forces (joint_effort, control_grav,
-/// contact_control_grav). All robots are one block with impacts, or an integrator other than euler.
+/// Divides the task's robots into blocks, each ascending, ordered by first robot. Two robots are in one block if they
+/// have a contact that cannot be a coupling (on a fixed base), or a cost or constraint on their contact. Robots of a
+/// term are in one block if the term concerns the whole scene's centre of mass or momentum, or torques (joint_effort,
+/// control_grav, contact_control_grav). With impacts, or an integrator other than Euler, there is one block.
 std::vector<std::vector<int>> divide_robots(const TaskFile& task);
 
-/// Whether the direction of these blocks takes fewer operations than that of the whole task, by structure alone.
+/// Whether a search direction by these blocks takes fewer operations than a dense one, predicted from sizes alone.
 bool blocks_are_cheaper(const TaskFile& task, const std::vector<std::vector<int>>& blocks);
 
-/// Whether the couplings between blocks are independent at x0 in every phase. Forces of dependent couplings are not
-/// unique, and nodes of the whole scene, with forces of least norm, are needed.
+/// Whether the couplings between blocks are linearly independent at x0 in every phase. Otherwise their forces are not
+/// unique, and nodes of the whole scene are needed, which have the forces of least norm.
 bool couplings_are_independent(const TaskFile& task, const std::vector<std::vector<int>>& blocks);
 
 }  // namespace manycontact

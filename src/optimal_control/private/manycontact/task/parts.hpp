@@ -1,5 +1,5 @@
 #pragma once
-// Divides a task into parts: robots that neither contacts nor costs couple at any node have motions of their own.
+// Divides a task into parts: sets of robots that no contact, spring or term couples with other robots at any node.
 
 #include <functional>
 
@@ -9,27 +9,27 @@
 
 namespace manycontact {
 
-/// Joins the robots of both ends of a contact, if both have one.
+/// Joins the two robots of a contact in `sets`; does nothing for a contact with the world.
 void join_ends(const Contact& contact, sparse::UnionFind& sets);
-/// Joins these robots, or all robots of the scene if the list is empty.
+/// Joins the given robots, or all robots of the scene if the list is empty.
 void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets);
-/// Divides the task's robots into sets, each ascending, in the order of their first ones. `join` joins robots for one
-/// phase or for the terminal node; springs join their ends.
+/// Divides the task's robots into sets, each ascending, ordered by first robot. `join` is called for each phase and for
+/// the terminal node, and joins robots in `sets`. A spring also joins the robots at its ends.
 using JoinRobots = std::function<void(const TaskPhase& phase, sparse::UnionFind& sets)>;
 std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRobots& join);
 
-/// The robots of each subproblem, ascending, in the order of the first ones. Robots are joined by a contact that is
-/// active in any phase; all of them by a centre of mass or a momentum of the whole scene.
+/// Returns the robots of each subproblem, each ascending, ordered by first robot. A contact that is active in any phase
+/// joins two robots. A term on the whole scene's centre of mass or momentum joins all robots.
 std::vector<std::vector<int>> separate_robots(const TaskFile& task);
 
-/// The task of these robots alone, with the contacts among them and the terms that are about them. The robots are whole
-/// parts of separate_robots, or blocks of divide_robots (task/joined.hpp), whose couplings are left out.
+/// Returns the task of the given robots alone, with their contacts and terms. The robots are a set of separate_robots,
+/// or of divide_robots (task/joined.hpp), whose couplings to other sets are left out.
 TaskFile part_of(const TaskFile& task, const std::vector<int>& robots);
 
-/// Returns the coordinates of these robots among the scene's x, dx, u, in part_of's order; without a model.
+/// Returns the indices of the robots' coordinates in the scene's x, dx, u, in the order of part_of. The model is null.
 ActionPart coordinates_of(const Scene& scene, const std::vector<int>& robots);
 
-/// Returns the rows, of a residual of the whole scene's single coordinates, that belong to these robots, in order.
+/// Returns the rows of the given robots in a residual that has one row per coordinate of the whole scene, in order.
 std::vector<int> rows_of(TaskResidual residual, const Scene& scene, const std::vector<int>& robots);
 
 }  // namespace manycontact

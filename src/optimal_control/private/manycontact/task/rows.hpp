@@ -1,11 +1,11 @@
 #pragma once
-// Residuals that are made of another residual: they take some of its rows, or all of them in other axes.
+// Residuals that wrap another ("inner") residual: they select some of its rows, or express it in other axes.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// The common base: contains the other residual, and its data.
+/// The common base: contains the inner residual, and its data.
 class ResidualOfInner : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -19,8 +19,8 @@ class ResidualOfInner : public ResidualModelAbstract {
   struct Data : ResidualDataAbstract {
     using ResidualDataAbstract::ResidualDataAbstract;
     std::shared_ptr<ResidualDataAbstract> inner;
-    std::vector<std::size_t> block;       // one entry per block: the other residual's block
-    std::vector<std::vector<int>> taken;  // one entry per block: rows of the other residual's block
+    std::vector<std::size_t> block;       // one entry per block: number of the inner residual's block
+    std::vector<std::vector<int>> taken;  // one entry per block: the selected rows of the inner residual's block
   };
   static Data& own(ResidualDataAbstract& data) { return static_cast<Data&>(data); }
 
@@ -43,10 +43,10 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void print(std::ostream& os) const override { os << rows_.size() << " rows of " << *inner_; }
 
  private:
-  std::vector<int> rows_, row_of_;  // row_of_: index of each of inner's rows, -1 if it is left out
+  std::vector<int> rows_, row_of_;  // row_of_: index in rows_ of each row of the inner residual; -1 if left out
 };
 
-/// Expresses another residual in the axes of a copy: r = X r_inner. Weights and bounds are along these axes too.
+/// Expresses a residual in the axes of a copied robot: r = X r_inner. Weights and bounds apply along the copy's axes.
 class ResidualModelTurned : public ResidualOfInner {
  public:
   /// X: nr x nr. Blocks of the inner residual must contain all rows.
