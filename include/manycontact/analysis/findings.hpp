@@ -13,7 +13,7 @@ namespace manycontact {
 /// Smaller placement errors are attributed to rounded numbers in files [m, rad].
 constexpr double kPlacementError = 1e-6;
 
-/// A contact whose frames A and B' are not where the contact requires them.
+/// A contact whose frame A is not where the contact requires it relative to its target frame B'.
 struct PlacementError {
   int contact = 0;
   double position = 0;  // m: |p_A - p_B'| along the constraint rows
@@ -54,7 +54,7 @@ std::string in_words(const Unbalanced& unbalanced);
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
-/// in world axes with a rotating B'. J a + a0 = 0, the acceleration of A seen from B', then does not keep J v constant.
+/// in world axes with a rotating frame B'. With J a + a0 = 0 (`solve`) the row velocity J v is then not constant.
 struct TurningRows {
   int contact = 0;
   double rate = 0;  // m/s^2: rate of J v in `solve` (J a + a0 = 0) with gains of zero
@@ -92,8 +92,8 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
-/// Does the same, relative to given loads [N], one per robot, instead of the weights. In a step of semi-implicit Euler
-/// the loads include momenta divided by the step size.
+/// Lists violations as above, but takes forces below 1e-9 of the given loads [N], one per robot, as rounding errors. In
+/// a step of semi-implicit Euler the loads include momenta divided by the step size.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
 /// Returns the weights of the robots [N].
@@ -115,22 +115,22 @@ struct LimitPassed {
 };
 
 /// Lists exceeded limits at q (nq), v (nv), u (nu). Velocity or effort limits of 0 are ignored, as files use 0 for
-/// unknown. Equal lower and upper limits are limits. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// unknown. Equal lower and upper limits are tested too. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                        const ConstVectorRef& u);
 
-/// The deviation of a contact's acceleration from the required one: |J a + a0 + delta f| of linear and angular rows.
+/// The residual of a contact's acceleration equation: |J a + a0 + delta f|, with a0 the bias and delta the damping.
 struct Contradiction {
   int contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
 };
 
-/// Lists the contacts of inconsistent islands, the worst first. Those with less than 1e-8 of the worst residual are
-/// left out. Call it after solve; throws std::logic_error before.
+/// Lists the contacts of inconsistent islands, the worst first, without contacts that have less than 1e-8 of the worst
+/// residual. Throws std::logic_error before a solve.
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
-/// Finds the coordinates without joint-space inertia, armature included, of a robot at q (its nq): their pivots in the
-/// leaf-to-root elimination are rounding errors. Throws std::length_error for trees too deep for that inertia.
+/// Finds the coordinates of a robot at q (its nq) without inertia, armature included: their pivots in the leaf-to-root
+/// elimination are rounding errors. Throws std::length_error for trees too deep for a joint-space inertia.
 std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.

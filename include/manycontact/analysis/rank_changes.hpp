@@ -21,7 +21,7 @@ namespace manycontact {
 
 struct RankChange {        // A change of rank of an island.
   std::size_t island = 0;
-  bool singular = false;   // true: along motions that the contacts allow; false: only along motions that violate them
+  bool singular = false;   // the rank changes along motions that the contacts allow (false: only along violations)
   int rank = 0, rows = 0;  // rank and number of the island's rows at q
   std::vector<int> contacts;  // the contacts with dependent rows, ascending
   int coordinate = -1;  // the coordinate of v that the rows constrain most at neighbouring configurations but not here;

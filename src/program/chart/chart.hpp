@@ -22,13 +22,13 @@ struct ChartLimits {
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
-/// Significant digits of times and errors. A chart contains rounded numbers: results that differ by rounding errors
-/// alone are equal, and the Pareto front is that of the rounded numbers.
+/// Significant digits of times and errors in a chart. Rounding makes results equal that differ by rounding errors, and
+/// the Pareto front is computed from the rounded numbers.
 inline constexpr int kDigits = 6;
 double as_written(double x);
 
-/// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives).
-/// They are differences from a solution of the scene in quadruple precision, and missing if there is none.
+/// One mark on the chart. Errors are relative to a solution of the scene in quadruple precision, in the maximum norm,
+/// the worst over robots (and blocks of derivatives). They are missing if there is no such solution.
 struct ChartRow {
   Method method = Method::kAuto;
   std::optional<Order> order;
@@ -36,9 +36,9 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;  // last solve's status; regularised if the damping is guessed and there is a solution
+  Status status = Status::kOk;  // last solve's status; kRegularised if it succeeded with a guessed damping
   std::string answered_by;      // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
-  std::string fallback;         // why another method was used, in the first such island
+  std::string fallback;         // why the first island with another method than `method` used it
   std::optional<double> time;   // time of a solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
@@ -53,7 +53,7 @@ struct Chart {
                              // contact rows, 1 island"
   std::string picture;       // file name, without ending
   std::vector<ChartRow> rows;
-  double allowed = 0;  // allowed error of values: max(1e-12, 100 eps condition); of derivatives: ten times that
+  double allowed = 0;  // allowed error of a and f: max(1e-12, 100 eps condition); derivatives: ten times `allowed`
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors
 };
@@ -70,13 +70,13 @@ struct Candidate {
   std::unique_ptr<SceneData> data;
 };
 
-/// Returns the rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
+/// Returns a row for every method, order, and damping: the scene's and the guessed dampings.
 std::vector<ChartRow> list_rows(const Scene& scene);
 
-/// Fills times: medians over rounds. Each round measures every candidate once, so that changes of the machine's speed
-/// affect all of them; slow ones are left out of later rounds.
+/// Sets the rows' times: medians over rounds. Each round measures every candidate once, so that changes of the
+/// machine's speed affect all candidates. Slow candidates are left out of later rounds.
 void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
-/// Call it after measure_solve. `first` is called once per candidate while its derivatives are available.
+/// Measures derivatives after measure_solve. Calls `first` once per candidate while its derivatives are available.
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
