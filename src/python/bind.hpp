@@ -164,7 +164,7 @@ class Class {
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
-  /// Adds a property that is a Handle (an object with attributes); get(owner) returns and set(owner, object) assigns it.
+  /// Adds a property that is a Handle (an object with attributes), read by get(owner), assigned by set(owner, object).
   template <class Owner, class Get, class Set>
   Class& handle(const char* name, Get get, Set set) {
     using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;

@@ -1,5 +1,5 @@
 #pragma once
-// SceneData in Python. One thread uses it at a time. Arrays on derivatives keep their numbers after the next change.
+// SceneData in Python, used by one thread at a time. Arrays of derivatives keep their numbers if SceneData changes.
 
 #include <unordered_map>
 

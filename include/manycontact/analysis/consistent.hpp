@@ -6,7 +6,7 @@
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at the final q
 //
 // Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
-// contacts, which may be redundant. q is iterated by Gauss-Newton's method with the least step in the mass-weighted
+// contacts. Contacts may be redundant. The steps of q are Gauss-Newton steps of least norm in the mass-weighted
 // norm. If a step does not decrease |e|, -delta I replaces the 0 (Levenberg-Marquardt). The velocity v is computed as
 // for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
 

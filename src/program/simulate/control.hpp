@@ -37,8 +37,8 @@ class Control {
   /// joints without a column.
   void read_torques(const std::string& path);
   /// Sets a PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the
-  /// velocity is the slope of q:; without q: and v:, the reference is the scene's q at rest. `gains`: "kp kd; r0/knee kp
-  /// kd; ...", the first pair for other joints. Throws UsageError; InputError for an actuated multi-coordinate joint.
+  /// velocity is the slope of q:; without q: and v:, the reference is the scene's q at rest. `gains`: "kp kd; r0/knee
+  /// kp kd; ...", the first pair for other joints. Throws UsageError; InputError for actuated multi-coordinate joints.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);

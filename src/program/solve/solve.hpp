@@ -41,7 +41,7 @@ SolvedScene solve_scene(const SceneFile& file, const Options& options, int repea
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);
-/// These functions print parts of the summary, in its order.
+/// The functions below print the parts of the summary, in the summary's order.
 void print_report(std::ostream& out, const SolvedScene& solved);
 void print_accelerations(std::ostream& out, const SolvedScene& solved);
 void print_forces(std::ostream& out, const SolvedScene& solved);

@@ -9,7 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Limits of the coordinates of q, infinite if there are none, and the coordinate of v that moves each of them alone.
+/// Limits of the coordinates of q (infinite: no limit), and for each the coordinate of v that moves only it, or -1.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
@@ -33,7 +33,7 @@ class PlaceSearch {
   int tries() const { return tries_; }
   /// Whether the last run ended because it ran out of steps.
   bool out_of_steps() const { return out_of_steps_; }
-  /// Whether a goal depends on a robot's coordinates. After a run.
+  /// Whether a goal depends on a robot's coordinates; call it after a run.
   bool moves(int robot) const;
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
 
@@ -54,7 +54,7 @@ class PlaceSearch {
   bool out_of_steps_ = false;
   double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from there
+  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from this q
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

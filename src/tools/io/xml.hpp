@@ -100,7 +100,7 @@ class Element {
 
 class XmlFile {
  public:
-  /// Parses bytes in any encoding that decode_xml accepts. Throws InputError for a syntax error or another root element.
+  /// Parses bytes in an encoding of decode_xml. Throws InputError for a syntax error or another root than root_name.
   XmlFile(std::string path, const std::string& bytes, const char* root_name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;

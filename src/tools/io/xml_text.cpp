@@ -74,7 +74,7 @@ std::string decode_bytes(std::string_view bytes, std::uint32_t (*character)(unsi
   return out;
 }
 
-// Lone surrogates are kept: the check of characters reports their line.
+// Converts UTF-16 to UTF-8. Lone surrogates are kept: the later check of characters reports their line.
 std::string decode_utf16(std::string_view bytes, bool big_endian) {
   const auto unit = [&](std::size_t i) {
     const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
@@ -92,7 +92,7 @@ std::string decode_utf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
-// XML 1.0, production 2.
+// Whether XML 1.0 allows the character (production 2).
 bool is_xml_character(std::uint32_t c) {
   return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) ||
          (c >= 0x10000 && c < 0x110000);

@@ -11,12 +11,12 @@ namespace manycontact {
 
 namespace internal {
 
-/// Workspace of bounded_energy.cpp. A cluster (robots coupled by springs, contacts) has its energies [J] at its first robot.
+/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (robots coupled by springs, contacts): at its first one.
 struct BoundedEnergy {
   // Columns, kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
   Eigen::ArrayX2d account;
   std::vector<int> cluster;
-  // Energy of the bodies at the start, and after the step without springs minus the work of other forces.
+  // Energy of the bodies at the start, and after a step without springs minus the work of other forces.
   Eigen::VectorXd before, without;
   Eigen::VectorXd given, most;        // energy that springs gave in this step; the most that they can contain
   Eigen::VectorXd fast_given;         // energy that springs faster than the step gave

@@ -70,8 +70,8 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
                                                      : Vec3<double>(end - kin.a_base.head<3>());
 }
 
-// Returns the share 0 ... 1 of the motion across a spring that rotates it without stretch. With c the rate across, s the
-// length, T the tension, n the direction, the energy rises by h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B'')).
+// Returns the share 0 ... 1 of the motion across a spring that rotates it without stretch. With c the rate across it,
+// s its length, T its tension, n its direction, its energy rises by h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B'')).
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
