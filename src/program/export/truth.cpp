@@ -39,7 +39,7 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the last one.
+// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the smallest.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());

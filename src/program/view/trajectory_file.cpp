@@ -39,7 +39,7 @@ class Forces {
     more_ = row_.next();
   }
 
-  /// Sets the forces of a state if the file has them at its time. Call it in the order of time.
+  /// Sets the forces of a state if the file has a row at the state's time. Call it in the order of time.
   void set(ViewState& state) {
     const double early = state.t - 1e-9 * std::abs(state.t);
     if (more_ && row_.t() < early) refuse();
@@ -51,7 +51,7 @@ class Forces {
     }
     more_ = row_.next();
   }
-  /// Throws if rows are left after the last state.
+  /// Throws InputError if the file has rows after the last state.
   void finish() const {
     if (more_) refuse();
   }

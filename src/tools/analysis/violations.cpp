@@ -56,8 +56,7 @@ Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
   return out;
 }
 
-// Returns by how much m_z exceeds the friction at the corners of a box with half sides X, Y. With the normal force n,
-// tau_min <= m_z <= tau_max is required:
+// Returns the excess of m_z over friction at the corners of a box (half sides X, Y): tau_min <= m_z <= tau_max with
 //   tau_min = -mu (X + Y) n + |Y f_x - mu m_x| + |X f_y - mu m_y|
 //   tau_max =  mu (X + Y) n - |Y f_x + mu m_x| - |X f_y + mu m_y|
 double excess_torque(const double* f, double mu, double X, double Y) {

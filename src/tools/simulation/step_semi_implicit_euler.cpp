@@ -57,7 +57,7 @@ void follow_contact_velocities(SimulationData& d) {
     d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
 }
 
-// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. Returns false if a solve fails.
+// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. False: a solve failed.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Finds sets of robots coupled by contacts flagged `active`, and, if `by_springs`, by springs. first[r]: first of a set.
+/// Finds sets of robots coupled by contacts flagged `active` (`by_springs`: or springs). first[r]: first of r's set.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
