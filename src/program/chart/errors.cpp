@@ -62,7 +62,7 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of an island's rows [a; f] and columns [q | v | u] in the solution's panel: this island's or the whole scene's.
+// Indices of an island's rows [a; f] and columns [q | v | u] in a panel: of this island, or of the whole scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

@@ -2,7 +2,7 @@
 
     chart.py DIR [FIRST]
 
-DIR/chart.json has what was measured; FIRST is the first chart to draw and to describe, by default 0.
+DIR/chart.json has the measured numbers; FIRST is the index of the first chart to draw and to describe, by default 0.
 """
 
 import json
@@ -14,13 +14,13 @@ import textwrap
 import drawing
 from drawing import number, plain, plt, printable, scientific
 
-LEAST, MOST = 1e-17, 1e9  # errors beyond are drawn there
-BAND = 0.13  # of a panel's height: for failures
+LEAST, MOST = 1e-17, 1e9  # smaller and larger errors are drawn at these values
+BAND = 0.13  # share of a panel's height for the band of failures
 ERRORS = ("error_acceleration", "error_forces", "error_derivatives")
 PANELS = ("Accelerations", "Contact forces", "Derivatives")
 # Okabe and Ito's colours, then Tol's; auto is black.
 COLOURS = ("#CC79A7", "#E69F00", "#0072B2", "#009E73", "#D55E00", "#56B4E9", "#882255", "#999933", "#44AA99", "#AA4499")
-MARKERS = "o^sDvp"  # a circle where there is no order to choose
+MARKERS = "o^sDvp"  # one per order; the circle is for methods without an order
 
 
 # ---- rows ----------------------------------------------------------------------------------------------------------------

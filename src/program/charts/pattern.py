@@ -16,7 +16,7 @@ FILLS = "#2864b4", "#e08214", "#a3a8ae", "#2a9d5c"
 SIDE, TOP, LEFT, GAP, STRIP, BOTTOM = 460, 96, 150, 130, 7, 92
 RIGHT = LEFT + SIDE + GAP  # left edge of L
 WIDTH, HEIGHT = RIGHT + SIDE + 40, TOP + SIDE + BOTTOM
-LABEL, LONGEST = 12, 20  # height of a name, and its most characters
+LABEL, LONGEST = 12, 20  # height of a name in the picture, and the most characters of a name
 
 
 def escaped(text):

@@ -2,7 +2,7 @@
 
     stability.py DIR
 
-DIR has drift.csv and energy.csv, and in stability.json what is not in them.
+DIR has drift.csv, energy.csv, and stability.json with the other data of the charts.
 """
 
 import csv

@@ -9,7 +9,7 @@ namespace manycontact::cli {
 std::string program_beside(const std::string& name);
 
 /// Replaces this process by the program `name` of this program's folder, with `command` and `words` as its arguments.
-/// Throws std::runtime_error if the program is missing or cannot be executed; `how`: how to install it, for the message.
+/// Throws std::runtime_error if the program is missing or cannot be executed; its message says `how` to install it.
 int execute_program(const std::string& name, const std::string& command, const std::vector<std::string>& words,
                     const std::string& how);
 

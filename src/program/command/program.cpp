@@ -73,7 +73,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Opens closed standard descriptors, so that no file opened later becomes standard error. Writing to them still fails.
+// Opens /dev/null on closed standard descriptors: no file opened later becomes standard error. Writing still fails.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);

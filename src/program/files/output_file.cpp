@@ -30,7 +30,7 @@ OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(p
   setp(buffer_.data(), buffer_.data() + buffer_.size());
   stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
   if (is_standard_output(path_)) {
-    std::cout.flush();  // earlier output comes first
+    std::cout.flush();  // earlier output of std::cout must precede that of file_
     file_ = dup(STDOUT_FILENO);
   } else if (is_written_straight(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -52,7 +52,7 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the target (links are followed), with the mode of the old file, if any.
+// Opens a temporary file in the folder of the target, behind symbolic links, with the permissions of an older target.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);

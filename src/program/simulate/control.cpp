@@ -43,7 +43,7 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
 }
 
 void TimeTable::at(double t, bool between, Eigen::VectorXd& x) const {
-  // The time of a step is a multiple of its size, and may differ from a row's by a rounding error.
+  // t is a multiple of the step size, and may differ from the time of a row by a rounding error.
   const double late = t + 1e-9 * std::abs(t);
   if (!between && late < t_.front()) return;
   const std::size_t after = static_cast<std::size_t>(std::upper_bound(t_.begin(), t_.end(), late) - t_.begin());

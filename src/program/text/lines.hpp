@@ -18,8 +18,7 @@ using Lines = std::vector<Line>;
 /// Appends a line; if group and cells are those of the last line, extends the last line by this copy instead.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
-/// Prints the `most` largest lines without changing their order, then the number of omitted lines. none_larger: adds
-/// that no omitted line is larger.
+/// Prints the `most` largest lines in their order, and the number of other lines (none_larger: "none larger" is added).
 void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
 
 }  // namespace manycontact::cli

@@ -61,7 +61,7 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
 // are at a bound; the gradient with respect to them is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr int kFullExchanges = 3;  // after so many rounds without progress, one wrong bound is exchanged per round
+  constexpr int kFullExchanges = 3;  // rounds without progress after which only one wrong bound is exchanged at a time
   constexpr int kMostRounds = 200;
   const Eigen::Index n = J.cols();
   std::vector<char> free(static_cast<std::size_t>(n), 1);

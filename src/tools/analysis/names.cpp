@@ -18,7 +18,7 @@ const Frame* nearest_frame(const Model& model, int joint, const Vec3<double>& po
   return nearest;
 }
 
-// Names of numbered items; runs of more than kMostNeighbours consecutive ones that belong together as "first .. last".
+// Names numbered items. More than kMostNeighbours consecutive items with together(...) are named "first .. last".
 template <class Name, class Together>
 std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, Together&& together) {
   std::vector<std::string> names;

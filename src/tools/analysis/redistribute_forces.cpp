@@ -48,7 +48,7 @@ std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, c
     most = std::max(most, n);
   }
   if (bases.empty()) return bases;
-  Scene in_newtons = scene;  // with moment_length 1 the projection is orthogonal in the units of f
+  Scene in_newtons = scene;  // moment_length 1 makes the projection orthogonal in the units of f
   in_newtons.moment_length = 1;
   internal::AtRest rest(in_newtons, internal::active_of(data), data.options);
   for (int pass = 0; pass < 2; ++pass) {

@@ -27,7 +27,7 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
   return model;
 }
 
-// The diagonal of M^-1 at q = 0 for joints with springs; infinite if M is singular.
+// Returns the diagonal of M^-1 at q = 0 for joints with springs, 0 for other joints; infinite if M is singular.
 Eigen::VectorXd mobilities(const Scene& scene) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
   int last = -1;

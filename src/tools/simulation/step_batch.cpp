@@ -234,7 +234,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
     Part& part = work->parts.emplace_back();
     part.first = first, part.states = static_cast<int>(std::min<Eigen::Index>(copies, q.rows() - first));
     side_by_side(q, first, copies, part.q), side_by_side(v, first, copies, part.v);
-    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // differs from any state
+    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // NaN differs from any state
     part.left_v = part.v;
   }
   work->failures.resize(static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));

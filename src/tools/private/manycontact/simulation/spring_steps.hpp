@@ -16,7 +16,7 @@ struct SpringMobilities {             // 1/m of bodies on springs and dampers, i
   Eigen::VectorXd joints;             // nv: joint coordinates with springs, dampers, PD laws or friction; 0 at others
 };
 /// Computes mobilities at q (nq), with the contacts flagged `active`; zero if nothing moves or the solve failed. Each
-/// joint takes a solve. If a robot has more than a hundred such joints, the others get infinite mobility without one.
+/// joint takes a solve. If a robot has more than a hundred joints with forces, they get infinite mobility instead.
 SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                    const Eigen::VectorXd& q);
 
