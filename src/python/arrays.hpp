@@ -2,7 +2,7 @@
 // Numpy arrays for Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers that are not
 // finite raise a ValueError with the reason. Objects that are not arrays of numbers raise pybind11's TypeError.
 //
-//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only, since writing into them
+//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only: writing into a copy
 //                              would not change the object
 //   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)

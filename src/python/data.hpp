@@ -9,7 +9,7 @@
 
 namespace manycontact::python {
 
-/// Keeps the memory of numpy arrays on an island's panel alive: the data while they contain the panel, then the panel.
+/// Keeps the memory of numpy arrays that view an island's panel alive: the SceneData, or later the panel alone.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
   AlignedPanel panel;
@@ -25,7 +25,7 @@ class Data {
     return *data_;
   }
 
-  /// Calls work(SceneData&) without the GIL. Arrays on derivatives keep their numbers, since the data get a copy.
+  /// Calls work(SceneData&) without the GIL. Arrays of derivatives keep their memory; SceneData gets a copy of it.
   template <class Work>
   auto use(Work&& work) const {
     const Turn turn(*state_);
@@ -75,7 +75,7 @@ auto with_data(F f, Convert convert = {}) {
       return convert(data.use(work));
   };
 }
-/// Does the same for f(scene, q, data).
+/// Returns f(scene, q, data) as a function for Python that returns convert(result).
 template <class F, class Convert = std::identity>
 auto at_solution(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Raw& q, const Data& data) {

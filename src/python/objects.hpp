@@ -71,7 +71,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-// external wrenches and springs: classes before those of scenes, functions after them
+// external wrenches and springs: their classes before add_scenes, their functions after it
 void add_force_classes(py::module_& m);
 void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);

@@ -81,7 +81,7 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 };
 
 /// Lists the active contacts with a mu whose forces f at q (scene.nq) no unilateral contact can exert, in the scene's
-/// order. f and f_offset are those of Solution. Let n be the force along the contact's normal, t the tangential force,
+/// order. f, f_offset: as in Solution. Let n be the force along the contact's normal, t the tangential force,
 /// and (c_x, c_y) = (-m_y, m_x) / n the centre of pressure in A's axes. With l, w the sides of the box:
 ///
 ///     pulls: n < 0    slips: |t| > mu n    tips: |c_x| > l / 2 or |c_y| > w / 2
@@ -92,8 +92,8 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
-/// Lists violations as above, but takes forces below 1e-9 of the given loads [N], one per robot, as rounding errors. In
-/// a step of semi-implicit Euler the loads include momenta divided by the step size.
+/// Lists violations as above, with given loads [N], one per robot, instead of the weights as scale of rounding errors.
+/// In a step of semi-implicit Euler the loads include momenta divided by the step size.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
 /// Returns the weights of the robots [N].
@@ -109,7 +109,7 @@ std::string to_string(LimitKind quantity);
 
 /// A coordinate that exceeds a limit of the robot's file.
 struct LimitPassed {
-  int robot = 0, dof = 0;  // one of that robot's velocity coordinates
+  int robot = 0, dof = 0;  // dof: index of a velocity coordinate of the robot
   LimitKind quantity = LimitKind::kPosition;
   double value = 0, limit = 0;
 };

@@ -4,7 +4,7 @@
 // If B(z, y) = n^T dJ[z] y vanishes, the rank is locally constant to first order. Otherwise:
 //
 //     B(z, z) is not 0   The configuration is singular, as in a flat loop or a stretched leg. The dependent rows
-//                        constrain one motion more in its neighbourhood. The accelerations are valid for this
+//                        constrain one more motion at neighbouring q. The accelerations are valid for this
 //                        configuration alone, and no derivative exists.
 //     B(z, y) is not 0   for a motion y that violates the contacts. Rows are dependent only while loops are closed, as
 //                        in Bennett's and Bricard's mechanisms. The accelerations are valid for all reachable states.

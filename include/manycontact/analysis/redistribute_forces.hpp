@@ -25,7 +25,7 @@ Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVect
 /// after a solve at q (scene.nq). They cause the same accelerations as data.f, which remains unchanged. `reference`:
 /// forces to come close to, in the order of data.f [N, N m]; empty means zero, the least norm in the metric of the
 /// weights. To move forces into friction cones, use forces along the contacts' normals, or alternate with projections
-/// onto the cones. `weights`: above 0; empty means ones. Rows of failed islands are NaN. Cost: a few solves, in total.
+/// onto the cones. `weights`: above 0; empty means ones. Rows of failed islands are NaN. Costs as much as the basis.
 ///
 /// Throws std::logic_error before a solve. Throws std::invalid_argument for wrong sizes, numbers that are not finite,
 /// and weights that are not above 0. Thread-safe for distinct data.

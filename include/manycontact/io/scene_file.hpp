@@ -63,8 +63,8 @@ struct SceneFile {  // A scene, its state, and the elements of the file that def
 };
 
 /// Reads a scene file. Missing references of contacts are computed from q. The torques u of gravity_robots are NaN. q
-/// and v are those of the file, even if it requests poses or a consistent state: load_scene (analysis/load_scene.hpp)
-/// computes these. Throws InputError. Thread-safe.
+/// and v are those of the file. load_scene (analysis/load_scene.hpp) also computes the poses or the consistent state
+/// that a file requests. Throws InputError. Thread-safe.
 SceneFile read_scene(const std::string& path);
 /// Reads UTF-8 XML text as read_scene reads a file at `path`, which need not exist. A declared encoding is ignored.
 SceneFile read_scene_text(const std::string& text, const std::string& path);

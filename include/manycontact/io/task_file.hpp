@@ -61,7 +61,7 @@ struct TaskTerm {
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr numbers, for weighted activations
   double eps = 1;           // parameter of kSmooth1Norm
-  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: those of the cone.
+  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: the bounds of the cone.
   Eigen::VectorXd lower, upper;
 };
 

@@ -55,7 +55,7 @@ bool parse(const std::string& text, Header& out) {
   return true;
 }
 
-// Returns the number of elements of an array of this shape, or -1 if they are too many for a file.
+// Returns the number of elements of an array of this shape, or -1 if no file could contain so many.
 std::int64_t numbers_of(const std::vector<std::int64_t>& shape) {
   std::int64_t out = 1;
   for (std::int64_t n : shape)

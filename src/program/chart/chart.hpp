@@ -87,7 +87,7 @@ void progress(const std::string& text);
 
 /// Writes chart.csv. Throws InputError if it cannot be written, as write_json.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including those without a chart.
+/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including scenes without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -15,7 +15,7 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-constexpr double kTurn = 200;        // us of repeated calls of one candidate per round; at least one call
+constexpr double kTurn = 200;        // us per round and candidate, in which calls are repeated; at least one call
 constexpr double kNoWarmUp = 300e3;  // us: a first call that takes longer is the measurement, without warm-up
 constexpr double kLarge = 4e6;       // bytes: larger derivatives are released between rounds
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kWholeUpTo = 60;    // largest nv of an island with derivatives along all unit vectors
 constexpr int kDirections = 4;    // number of random directions in each of q, v and u for larger islands
-constexpr int kDenseSize = 150;   // largest number of unknowns of the dense solver, used if there is no sparse factor
+constexpr int kDenseSize = 150;   // most unknowns for which the dense solver replaces a missing sparse factor
 constexpr double kAtRest = 1e-4;  // accelerations below this share of those without contacts count as zero
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {

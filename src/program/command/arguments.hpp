@@ -16,7 +16,7 @@ struct UsageError : std::runtime_error {
 
 struct Option {
   std::string name;   // the name with its dashes
-  std::string value;  // the placeholder of its value in the usage, empty for a flag
+  std::string value;  // the placeholder of the option's value in the usage; empty for a flag
   std::string help;
   bool required = false;  // shown in the usage; the command itself refuses to run without it
 };

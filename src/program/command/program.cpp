@@ -86,7 +86,7 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit of a file's size is then an error of the write
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the file size limit then fails with an error
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;

@@ -12,7 +12,7 @@
 
 namespace manycontact::cli {
 
-/// K x = b of one island, x = [a; -f], for the scene's own contacts, and the right-hand sides of its derivatives.
+/// System K x = b of one island, x = [a; -f], and the right-hand sides db of K dx = db for the derivatives dx.
 struct ExportedSystem {
   Island island;
   Eigen::SparseMatrix<double> K;  // [M J^T; J -delta I], both triangles

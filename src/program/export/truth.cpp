@@ -8,7 +8,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kMostSteps = 40;        // refinement steps: each one gains digits as long as eps |K| |K^-1| is below 1
+constexpr int kMostSteps = 40;        // refinement steps: each step gains digits while eps |K| |K^-1| is below 1
 constexpr double kConverged = 1e-20;  // largest relative last correction of an accepted solution
 constexpr double kMostDigits = 32;    // quadruple precision has 34 digits; a residual of many terms loses about two
 

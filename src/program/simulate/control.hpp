@@ -16,7 +16,7 @@ class TimeTable {
 
   bool empty() const { return columns_.empty(); }
   /// Sets the coordinates that have a column to the values of the last row up to t; does nothing before the first row.
-  /// With `between`, values are interpolated between rows, and constant before the first one.
+  /// With `between`, values are interpolated between rows, and constant before the first row.
   void at(double t, bool between, Eigen::VectorXd& x) const;
   /// Computes the slope of each column's interpolation at t: 0 before the first row, and from the last row on.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;

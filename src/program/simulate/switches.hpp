@@ -25,7 +25,7 @@ class Switches {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    std::vector<PlacementError> away;  // contacts closed by `on` whose frames are not in their place
+    std::vector<PlacementError> away;  // errors of contacts closed by `on` out of place
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 

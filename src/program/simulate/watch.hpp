@@ -24,7 +24,7 @@ class Watch {
   bool is_new(const SimulationData& sim) { return judged_.insert(sim.dynamics.active).second; }
   /// Finds nearly dependent rows at the state of `sim` with torques u, and adds them to the findings `to`.
   void judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to);
-  /// The rows that judge_rows has found, "nearly dependent rows: loop[2]"; empty if there are none.
+  /// Text on the rows that judge_rows has found, "nearly dependent rows: loop[2]"; empty if it has found no row.
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // subtracts the energy that an impact dissipated
 

@@ -86,7 +86,7 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 
 bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
-    return false;  // such accelerations are not rounding errors
+    return false;  // accelerations of inconsistent islands are not rounding errors
   return std::ranges::all_of(report.islands,
                              [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

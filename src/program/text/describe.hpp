@@ -15,7 +15,7 @@ std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// Returns the names of the robots of several islands, as robot_names does: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
 
-/// Returns for each contact of the scene the index of its element in contact_groups, which its copies share.
+/// Returns for each contact of the scene the index of its ContactGroup in file.contact_groups.
 std::vector<int> group_of_contacts(const SceneFile& file);
 
 /// Counts the scene's islands, also for method dense-schur, whose report has one entry for all islands.

@@ -24,7 +24,7 @@ std::string printable(std::string text);
 /// Shortens texts to `widest` characters, or a little more to keep them distinct, by leaving out their middles.
 std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest);
 
-/// Prints `text` in lines up to kLineWidth wide: the first after `indent` blanks and `bullet`, the others aligned.
+/// Prints `text` in lines up to kLineWidth wide. The first line has `indent` blanks and `bullet`; others are aligned.
 void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
 
 /// Prints "  ... and 3 more groups" if `shown` is less than `all`.

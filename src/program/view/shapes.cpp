@@ -1,4 +1,4 @@
-// The shapes of robots: the visuals of their URDF, and capsules between the joints of bodies that have none.
+// The shapes of robots: the visuals of their URDF files, and capsules between joints for bodies without visuals.
 
 #include <map>
 #include <set>

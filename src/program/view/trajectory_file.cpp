@@ -11,7 +11,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kUnitLength = 1e-3;  // permitted error of a quaternion's norm, since tables may have few digits
+constexpr double kUnitLength = 1e-3;  // permitted error of a quaternion's norm: tables may have few digits
 
 using Columns = std::vector<std::size_t>;
 

@@ -57,9 +57,9 @@ void add_state(const ViewState& state, Recording& recording);
 
 /// Records the states of a CSV with the columns of `simulate`: t, q:*, v:* of this scene in any order, and
 /// violation_position and violation_velocity if they exist. Other columns are ignored. With `forces`, a CSV with t and
-/// f:left[0] ... of all contacts, a state has the forces at the same t; a contact whose forces are all 0 is inactive
-/// then. Throws InputError if a file cannot be read, a column is missing, a cell is not a finite number, t does not
-/// increase, or forces have a time without a state.
+/// f:left[0] ... of all contacts, a state has the forces of the row with equal t; contacts with forces of only zeros
+/// are inactive. Throws InputError if a file cannot be read, a column is missing, a cell is not a finite number, t does
+/// not increase, or forces have a time without a state.
 void read_trajectory(const std::string& path, const std::optional<std::string>& forces, const Scene& scene,
                      Recording& recording);
 

@@ -18,7 +18,7 @@ std::string and_more(std::size_t more, const std::string& what) {
   return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }
 
-// The islands of one kind, represented by the first.
+// The islands of one kind, represented by the first island of the kind.
 struct Subject {
   const Scene& scene;
   const Island& island;

@@ -94,7 +94,7 @@ class AtRest {
   /// island has no solution, its x is NaN; returns false. With damping: min x^T M x + |J x - wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
-    // alpha = 1 puts the placement errors into a0; their addition here cancels them
+    // a0 contains the placement errors, because alpha = 1; errors(q) cancels them
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);
     x = data_.a;

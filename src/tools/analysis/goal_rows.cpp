@@ -24,7 +24,7 @@ Mat3d log3_derivative(const Vec3d& w) {
   return Jlog6<double>(xi).bottomRightCorner<3, 3>();
 }
 
-// Returns the rotation vector (axis times angle) that turns the unit vector `from` into `to`.
+// Returns the rotation vector (axis times angle) that rotates the unit vector `from` to `to`.
 Vec3d turning(const Vec3d& from, const Vec3d& to) {
   const Vec3d c = from.cross(to);
   const double sine = c.norm(), angle = std::atan2(sine, from.dot(to));

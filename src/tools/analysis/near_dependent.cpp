@@ -19,7 +19,7 @@ namespace {
 constexpr double kMostUnasked = 1e9;  // largest nv nc^2 of an island that is examined
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// Whether an island's rows are examined: it is undamped, solved, and not too large.
+// Whether an island's rows are examined: the island is undamped, solved, and not too large.
 bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;

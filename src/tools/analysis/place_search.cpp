@@ -130,7 +130,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
   return tries;
 }
 
-// Moves the coordinates that goals depend on by kAside, away from their limits.
+// Returns q with the coordinates that goals depend on moved by up to kAside, within their limits.
 Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
   look_at(q);
   reach_ = kReach;

@@ -13,7 +13,7 @@ class TermReader {
 
   /// Reads a term of a phase with the contacts flagged `active`. terminal: whether the phase is the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
-  /// Indices of the scene's contacts with a name: one, or all copies.
+  /// Returns the indices of the scene's contacts called `name`: one contact, or all copies of a contact.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;
 
  private:

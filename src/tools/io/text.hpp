@@ -39,7 +39,7 @@ std::string show(double x);
 /// Splits at white space.
 std::vector<std::string_view> words(std::string_view text);
 
-/// Parses one finite number. `what` names it in messages.
+/// Parses one finite number. what: the number's name in error messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);
 /// Parses one number; "inf", "-Infinity" and numbers beyond 1.8e308 are infinite.
 double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text);

@@ -396,7 +396,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // urdfdom's links own their children: they are released one by one, since a long chain must not be freed recursively.
+  // urdfdom's links own their children. Unlink releases the links one by one: recursion could overflow the stack.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

@@ -32,7 +32,7 @@ struct UrdfDetails {
 UrdfDetails check_urdf(const Element& robot);
 
 /// Returns the file's text reduced to the elements that urdfdom must read, without limits, shapes, materials and
-/// plug-ins. Missing numbers of inertias become zeros, since urdfdom would fail without them. Changes the document.
+/// plug-ins. Missing numbers of inertias become zeros, because urdfdom requires them. Changes the document of `file`.
 std::string text_for_urdfdom(XmlFile& file);
 
 /// Problems of a moving body's inertia, each "" if there is none. A text continues "link x and the merged links have".

@@ -82,7 +82,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  robot.Accept(&printer);  // the declaration is left out, since the text is now UTF-8
+  robot.Accept(&printer);  // omits the XML declaration: its encoding would be wrong for this UTF-8 text
   return printer.CStr();
 }
 

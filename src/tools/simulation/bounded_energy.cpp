@@ -159,7 +159,7 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Computes the energy of each cluster's springs: of all springs, and of those faster than the step.
+// Computes the energy of each cluster's springs: of all springs, and of the springs faster than the step.
 void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;

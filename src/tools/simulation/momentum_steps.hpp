@@ -52,7 +52,7 @@ OneBody one_body(std::span<const int> members, const FreeGroups& groups);
 inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference + group.Y.h / group.Y.m; }
 inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
-/// Expands the coordinates of a motion or wrench of a free joint to those of a floating joint, in the child's axes.
+/// Expands a motion or wrench in a free joint's coordinates to the six components of a floating joint (child's axes).
 template <class V>
 Vec6<double> as_floating(const Joint& joint, const V& x) {
   Vec6<double> out = Vec6<double>::Zero();

@@ -54,7 +54,7 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 
 }  // namespace
 
-// Returns the scene with inertias added. Equal robots share a model, unless friction changes inertias between solves.
+// Returns the scene with inertias added. Equal robots share a model if friction does not change inertias.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;

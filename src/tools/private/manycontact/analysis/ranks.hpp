@@ -32,7 +32,7 @@ struct BodyPair {
 /// A contact with dependent rows, because its robots cannot move in all directions of the contact.
 struct Lighter {
   int contact = -1, rank = 0;
-  std::string type;   // the lightest type of the same rank at the same frame, empty if there is none
+  std::string type;   // contact type with fewest rows of equal rank at the same frame; empty if there is none
   int only_just = 0;  // number of rows beyond `rank` that are nearly dependent (analysis/near_dependent.hpp)
 };
 
@@ -57,8 +57,7 @@ struct RowSelection {
 /// Selects rows by an island's known ranks. A row is dropped if it depends on earlier rows: first contacts stay whole.
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
 
-/// Islands of one shape with equal ranks, and with equal status, method, order and reason in the last solve. Printed
-/// lists have one line per kind, not one per robot.
+/// Islands of one shape with equal ranks, and equal status, method, order and reason in the last solve.
 struct IslandKind {
   std::vector<int> islands;  // numbers of the islands, ascending
   IslandRanks ranks;         // ranks of the first of these islands

@@ -34,7 +34,7 @@ struct ResistingJoints {
   std::vector<int> rubbing;       // coordinates with friction
 
   bool vary = false;                           // added inertias may change: robots then do not share models
-  std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's or a shared one
+  std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
   // Newton's method, per entry of `rubbing`: v and K (v - v0) before and after a solve.
   bool begun = false;
