@@ -16,10 +16,10 @@ constexpr double kOnlyJust = 1e-3;
 /// The rank decision is unreliable if the least accepted residual is below this multiple of the largest rejected one.
 constexpr double kCloseGap = 1e3;
 
-struct RankGap {          // How reliable the rank decision of an island was.
-  bool known = false;     // false: damping decides, or the island failed, is too large, or has no rows
-  double least_kept = 1;  // smallest relative residual of an accepted row: the norm of its component
-                          // orthogonal to the rows accepted before it, divided by its norm
+struct RankGap {                // How reliable the rank decision of an island was.
+  bool known = false;           // false: damping decides, or the island failed, is too large, or has no rows
+  double least_kept = 1;        // smallest relative residual of an accepted row: the norm of its component
+                                // orthogonal to the rows accepted before it, divided by its norm
   double most_dropped = 0;      // largest relative residual of a rejected row; at least eps, the rounding error
   int kept = -1, dropped = -1;  // rows with these two residuals, as indices of f; -1: there is no such row
 

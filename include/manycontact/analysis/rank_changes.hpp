@@ -19,10 +19,10 @@
 
 namespace manycontact {
 
-struct RankChange {        // A change of rank of an island.
+struct RankChange {  // A change of rank of an island.
   std::size_t island = 0;
-  bool singular = false;   // the rank changes along motions that the contacts allow (false: only along violations)
-  int rank = 0, rows = 0;  // rank and number of the island's rows at q
+  bool singular = false;      // the rank changes along motions that the contacts allow (false: only along violations)
+  int rank = 0, rows = 0;     // rank and number of the island's rows at q
   std::vector<int> contacts;  // the contacts with dependent rows, ascending
   int coordinate = -1;  // the coordinate of v that the rows constrain most at neighbouring configurations but not here;
                         // -1: the island is too large

@@ -68,11 +68,11 @@ struct TaskTerm {
 /// A phase, or the terminal node, whose contacts are those of the last phase.
 struct TaskPhase {
   int line = 1;
-  int nodes = 0;                     // number of nodes, not counting the impact's node
-  bool impact = false;               // starts with an impact: contacts stop the velocity of their frames at once
-  bool at_scene = false;             // contacts that close have the placement of the scene; false: the placement of
-                                     // their frames when they close
-  std::vector<bool> active;          // one flag per contact of the scene
+  int nodes = 0;                       // number of nodes, not counting the impact's node
+  bool impact = false;                 // starts with an impact: contacts stop the velocity of their frames at once
+  bool at_scene = false;               // contacts that close have the placement of the scene; false: the placement of
+                                       // their frames when they close
+  std::vector<bool> active;            // one flag per contact of the scene
   std::vector<Vec6<double>> wrenches;  // external wrenches in these nodes, as in SceneData; empty: the scene's
   std::vector<TaskTerm> costs, constraints;
 };

@@ -138,8 +138,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   FreeGroups free_groups;
   std::shared_ptr<AppliedForces<double>> applied;  // nullptr if the scene has none
   std::shared_ptr<ResistingForces> resisting;      // nullptr if there are no springs, dampers, friction and PD laws
-  long unsettled = 0;         // number of steps in which joint friction did not converge within 50 solves
-  Eigen::VectorXd contact_v;  // contact velocities c after the last step (see the top), rows as in f
+  long unsettled = 0;              // number of steps in which joint friction did not converge within 50 solves
+  Eigen::VectorXd contact_v;       // contact velocities c after the last step (see the top), rows as in f
   Eigen::VectorXd left_q, left_v;  // state and active flags at the end of the last step, to which contact_v belongs
   std::vector<char> left_active;
 

@@ -24,9 +24,9 @@ struct SimulationBatch {
   // These members are set by the caller, between steps, and apply to all states.
   std::vector<char> active;            // one flag per contact; initially as in the scene. A change causes no impact
   std::vector<Vec6<double>> wrenches;  // one per external wrench of the scene; initially the scene's [N, N m]
-  double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
-  Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
-  BatchMatrix q_ref, v_ref;          // references of the PD laws, one row per state (nv columns)
+  double velocity_limit = 1e5;         // m/s, rad/s; a faster state is kTooFast
+  Eigen::VectorXd kp, kd;              // gains of PD laws as in PdLaws (nv), or empty
+  BatchMatrix q_ref, v_ref;            // references of the PD laws, one row per state (nv columns)
 
   // These members are set by step_batch, one row or entry per state.
   BatchMatrix q, v;                // the states; set_state changes them

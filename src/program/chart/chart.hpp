@@ -36,10 +36,10 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;  // last solve's status; kRegularised if it succeeded with a guessed damping
-  std::string answered_by;      // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
-  std::string fallback;         // why the first island with another method than `method` used it
-  std::optional<double> time;   // time of a solve, us
+  Status status = Status::kOk;             // last solve's status; kRegularised if it succeeded with a guessed damping
+  std::string answered_by;                 // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
+  std::string fallback;                    // why the first island with another method than `method` used it
+  std::optional<double> time;              // time of a solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error

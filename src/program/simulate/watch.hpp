@@ -28,7 +28,7 @@ class Watch {
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // subtracts the energy that an impact dissipated
 
-  double work() const { return work_; }                 // J: work of the torques, less the energy dissipated by impacts
+  double work() const { return work_; }  // J: work of the torques, less the energy dissipated by impacts
   double work_of_wrenches() const { return push_work_; }  // J: work of external wrenches
   /// Prints the findings; copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,

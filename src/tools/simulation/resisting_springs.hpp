@@ -68,7 +68,7 @@ struct ResistingSprings {
   std::vector<Vec3<double>> couple;
 };
 
-constexpr double kIdle = 1e-300;      // value of D for a row that is left out
+constexpr double kIdle = 1e-300;  // value of D for a row that is left out
 
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
 /// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all rows. Returns false if the factorization fails.
