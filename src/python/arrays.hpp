@@ -6,7 +6,7 @@
 //                              would not change the object
 //   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)
-//   view(...)                  an array on the memory of a matrix, whose owner it keeps alive
+//   view(...)                  an array that views the memory of a matrix, and keeps the matrix's owner alive
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -24,7 +24,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using Doubles = py::array_t<double, py::array::forcecast>;
 
-/// A vector of bounds: infinite numbers allowed, NaN not.
+/// A vector of bounds: infinite numbers are allowed, NaN is not.
 struct Bounds {
   Eigen::VectorXd x;
 };

@@ -34,10 +34,10 @@ class Data {
     return work(*data_);
   }
 
-  /// Calls contact_force. Checks the whole scene only once per solve and scene.
+  /// Calls contact_force. The scene is checked only in the first call after a solve.
   Eigen::VectorXd force_of(const Scene& scene, int contact) const;
 
-  /// Returns an array on a block of an island's panel.
+  /// Returns an array that views a block of an island's panel.
   py::array export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows, Eigen::Index cols) const;
 
  private:

@@ -15,7 +15,7 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-std::map<std::string, std::size_t> taken;  // number of overloads of a key that were used
+std::map<std::string, std::size_t> taken;  // key: number of entries of its overloads that were used
 py::handle names_of_defaults;
 
 // Stores the name permanently: pybind11 keeps the pointer until the function is complete.

@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Smaller placement errors are attributed to rounded numbers in files [m, rad].
+/// Placement errors below this are attributed to rounded numbers in files [m, rad].
 constexpr double kPlacementError = 1e-6;
 
 /// A contact whose frame A is not where the contact requires it relative to its target frame B'.
@@ -28,7 +28,7 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const ConstVect
 /// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
 
-/// Smaller velocity errors are attributed to rounded numbers in files [m/s, rad/s].
+/// Velocity errors below this are attributed to rounded numbers in files [m/s, rad/s].
 constexpr double kVelocityError = 1e-6;
 
 /// A contact whose frames move relative to each other: J v is not zero, although the contact is bilateral.
@@ -50,7 +50,7 @@ std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
 /// Describes the unbalanced load: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
-/// Smaller rates of J v due to rotating rows are attributed to rounded numbers in files [m/s^2].
+/// Rates of J v due to rotating rows below this are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
@@ -67,9 +67,9 @@ std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& 
 
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
-/// "pulls", "slips", "tips", "turns".
+/// Returns the kind's name: "pulls", "slips", "tips", "turns".
 std::string to_string(ViolationKind kind);
-/// The unit of Violation::by: "N", "N", "m", "N m".
+/// Returns the unit of Violation::by for a kind: "N", "N", "m", "N m".
 std::string unit_of(ViolationKind kind);
 
 struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
@@ -99,12 +99,12 @@ std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, c
 /// Returns the weights of the robots [N].
 Eigen::VectorXd robot_weights(const Scene& scene);
 
-/// Returns the normal and the tangential component [N] of a contact's linear force at q (scene.nq). f: its rows only.
+/// Returns normal and tangential component [N] of a contact's linear force at q (scene.nq). f: the contact's rows only.
 Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
 
 /// The quantities that have limits.
 enum class LimitKind { kPosition, kVelocity, kEffort };
-/// "position", "velocity", "effort".
+/// Returns the quantity's name: "position", "velocity", "effort".
 std::string to_string(LimitKind quantity);
 
 /// A coordinate that exceeds a limit of the robot's file.

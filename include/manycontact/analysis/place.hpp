@@ -15,10 +15,10 @@
 //
 // If these steps converge slowly because a large error remains, Newton steps replace them; the Hessian of |e|^2 is
 // applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre
-// and one milliradian away, since straight knees and elbows, as in the neutral q, are saddle points.
+// and one milliradian away: straight knees and elbows, as in the neutral q, are saddle points of |e|.
 //
 // The errors of contradicting goals are distributed according to their weights. The result is a local minimum near the
-// start; `restarts` searches from other configurations.
+// start; with `restarts`, the search is repeated from other configurations.
 
 #include <array>
 #include <optional>
@@ -43,10 +43,10 @@ struct Goal {
 
   Attachment frame = {};              // kFrame, on a body that may move
   Partial position = {};              // kFrame, kCenterOfMass: x, y, z in the world [m]
-  std::vector<Attachment> from = {};  // if any: the position is relative to the mean of these frames' origins
+  std::vector<Attachment> from = {};  // not empty: position is relative to the mean of these frames' origins
   Partial rpy = {};  // kFrame: rotations of its axes about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all axes, in the world; rpy is then unused
-  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: its robot
+  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: the joint's robot
   int joint = -1;                         // kJoint: a revolute or prismatic joint
   double value = 0;                       // kJoint [rad, m]
   int contact = -1;                       // kContact: the contact to bring into place

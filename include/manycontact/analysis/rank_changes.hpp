@@ -8,7 +8,7 @@
 //                        configuration alone, and no derivative exists.
 //     B(z, y) is not 0   for a motion y that violates the contacts. Rows are dependent only while loops are closed, as
 //                        in Bennett's and Bricard's mechanisms. The accelerations are valid for all reachable states.
-//                        Derivatives exist along these, but not across them.
+//                        Derivatives exist along reachable states, but not across them.
 //
 // B follows from the bias acceleration dJ[v] v of the constraint rows at the velocities v = z + y and v = z - y. Random
 // n, z and y detect a change unless B vanishes for all of them.

@@ -22,7 +22,7 @@ Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVect
 ///
 ///     sum_i weights_i (f'_i - reference_i)^2
 ///
-/// after a solve at q (scene.nq). They cause the same accelerations as data.f, which remains unchanged. `reference`:
+/// after a solve at q (scene.nq). f' causes the same accelerations as data.f, which remains unchanged. `reference`:
 /// forces to come close to, in the order of data.f [N, N m]; empty means zero, the least norm in the metric of the
 /// weights. To move forces into friction cones, use forces along the contacts' normals, or alternate with projections
 /// onto the cones. `weights`: above 0; empty means ones. Rows of failed islands are NaN. Costs as much as the basis.

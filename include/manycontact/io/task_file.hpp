@@ -1,5 +1,5 @@
 #pragma once
-// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem of it.
+// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem from the task.
 
 #include <string>
 #include <vector>

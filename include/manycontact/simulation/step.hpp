@@ -128,7 +128,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
   Eigen::VectorXd pd_torque;   // nv, set by step: mean torque of the PD laws [N m, N]
   StepWork work;               // set by step
   Eigen::VectorXd f;           // set by step: contact forces at the state before the step, rows as in Solution::f
-  std::vector<int> f_offset;   // set by step: per contact its first row in f, or -1 if it was not active
+  std::vector<int> f_offset;   // set by step: first row of each contact in f; -1: it was not active
   Eigen::VectorXd next_q, next_v;  // set by step: the state that a failed step computed; otherwise the previous state
 
   SceneAtRest at_rest;
@@ -136,7 +136,7 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 
   // Used by semi-implicit Euler.
   FreeGroups free_groups;
-  std::shared_ptr<AppliedForces<double>> applied;  // nullptr if the scene has none
+  std::shared_ptr<AppliedForces<double>> applied;  // nullptr: no wrenches and springs
   std::shared_ptr<ResistingForces> resisting;      // nullptr if there are no springs, dampers, friction and PD laws
   long unsettled = 0;              // number of steps in which joint friction did not converge within 50 solves
   Eigen::VectorXd contact_v;       // contact velocities c after the last step (see the top), rows as in f

@@ -225,8 +225,8 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  communicator.sum(counts);      // waits for all processes
-  if (communicator.rank() == 0)  // solutions last: if they are complete, the derivatives are too
+  communicator.sum(counts);      // also waits for all processes
+  if (communicator.rank() == 0)  // the file of solutions comes last: if it exists, that of derivatives is complete
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();
   if (communicator.rank() == 0) print_summary(run, counts);

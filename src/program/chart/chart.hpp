@@ -12,11 +12,11 @@
 
 namespace manycontact::cli {
 
-/// Dampings that are tried instead of the scene's.
+/// Dampings that the chart tries in addition to the scene's own damping.
 inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
-  double seconds = 16;  // time for repeats
+  double seconds = 16;  // s: total time of repeated measurements of a scene
   double longest = 20;  // seconds: a call that would take roughly longer is skipped
 };
 
@@ -44,7 +44,7 @@ struct ChartRow {
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
-  /// "none", or the damping: "1e-6".
+  /// Returns the damping as text, "1e-6", or "none" for 0.
   std::string regularisation() const;
 };
 

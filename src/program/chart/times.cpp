@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kRounds = 201;
 constexpr double kTurn = 200;        // us per round and candidate, in which calls are repeated; at least one call
-constexpr double kNoWarmUp = 300e3;  // us: a first call that takes longer is the measurement, without warm-up
+constexpr double kNoWarmUp = 300e3;  // us: if the first call takes longer, its time counts, without warm-up
 constexpr double kLarge = 4e6;       // bytes: larger derivatives are released between rounds
 
 // Returns the time of one round: a call to warm up, then the median of repeated calls.

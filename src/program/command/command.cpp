@@ -37,7 +37,7 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  if (!is_written_straight(path)) OutputFile(path, option);  // opening a pipe may block, and closing ends it
+  if (!is_written_straight(path)) OutputFile(path, option);  // opening a pipe may block, and closing it would end it
 }
 
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {

@@ -34,7 +34,7 @@ double median(std::vector<double> times) {
 
 double rough_time_of_dense(const Scene& scene, const SceneData& data) {
   if (data.options.method != Method::kDenseSchur) return sum_over_islands(data, dense);
-  double sum = 0;  // kDenseSchur makes one island of the whole scene
+  double sum = 0;  // kDenseSchur treats the whole scene as one island
   for (const Island& island : find_islands(scene, data.active)) sum += dense(island);
   return sum;
 }

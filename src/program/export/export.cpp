@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportPlan {
-  std::string folder, scene;  // the scene's name, for headers
+  std::string folder, scene;  // scene: name of the scene, for headers
   bool truth = false, derivatives = false;
 
   std::string path(const std::string& name) const { return (fs::path(folder) / name).string(); }

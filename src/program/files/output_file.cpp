@@ -28,7 +28,7 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
+  stream_.exceptions(std::ios::badbit);  // exceptions of write() then pass through the stream's operators
   if (is_standard_output(path_)) {
     std::cout.flush();  // earlier output of std::cout must precede that of file_
     file_ = dup(STDOUT_FILENO);
@@ -69,7 +69,7 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // not every file system has modes
+  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // fails on file systems without modes
 }
 
 void OutputFile::refuse(int error) const {

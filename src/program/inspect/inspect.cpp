@@ -67,7 +67,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::ranges::min_element(costs.ldl), *std::ranges::min_element(costs.cholmod)});
   const auto relative = [least](double cost) { return number(cost / least); };
-  if (is_deep(shape)) {  // patterns of K are not computed
+  if (is_deep(shape)) {  // K's pattern is not computed for deep islands
     wrap(out,
          "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
              number(costs.bodies / (costs.terms + least)),

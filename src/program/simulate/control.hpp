@@ -28,7 +28,7 @@ class TimeTable {
   std::vector<double> t_, values_;
 };
 
-/// u(t) = torques(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
+/// Torques u(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
 class Control {
  public:
   explicit Control(const SceneFile& file)

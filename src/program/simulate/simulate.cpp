@@ -37,7 +37,7 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
-  SpringStep shortest;  // the shortest step limit of springs at the start
+  SpringStep shortest;  // the spring or joint with the smallest step limit at the start
   Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
                         // ended the run
   std::optional<Recording> view;
@@ -100,7 +100,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   return u;
 }
 
-// Writes the forces at the last state, computed by a step that is undone.
+// Writes the forces at the last state: makes one more step for them, and restores the state.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
   const Eigen::VectorXd q = sim.q, v = sim.v;
   const long steps = sim.steps;

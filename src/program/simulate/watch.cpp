@@ -18,7 +18,7 @@ constexpr std::size_t kMostShown = 8;
 constexpr double kSingular = 1e4;  // growth of the condition number that indicates a singular configuration
 constexpr double kPassed = 1e-2;   // the motion passed a singular configuration if the least singular value of the
                                    // contacts is below this share of the largest
-constexpr double kGained = 0.01;   // unexplained change of energy, relative to the largest kinetic energy
+constexpr double kGained = 0.01;   // least reported energy change without a source, relative to the kinetic energy
 
 double torque_power(const Scene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& v) {
   double power = 0;
@@ -182,7 +182,7 @@ double Watch::gained_energy(const Invariants& start, const Invariants& end, doub
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                          const Invariants& start, const Invariants& end, double most_kinetic) const {
-  constexpr double kRounding = 1e-12;  // relative to the total energy
+  constexpr double kRounding = 1e-12;  // rounding error relative to the total energy
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
     wrap(out,

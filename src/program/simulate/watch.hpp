@@ -1,5 +1,5 @@
 #pragma once
-// Events of a simulation that its final state does not show: contacts that pull, slip or tip, joints beyond limits,
+// Events of a simulation that the final state does not show: contacts that pull, slip or tip, joints beyond limits,
 // singular configurations, energy without a source.
 
 #include <map>
@@ -46,14 +46,14 @@ class Watch {
   std::map<std::vector<int>, Seen<Violation>> violations_;  // key: contact and kind
   std::map<std::vector<int>, Seen<LimitPassed>> limits_;    // key: robot, coordinate and quantity
   std::map<std::vector<int>, Seen<TurningRows>> turning_;   // key: contact
-  // Returns the energy that no source or sink explains; 0 if it is small [J].
+  // Returns the energy change without a source or sink; 0 if the change is small [J].
   double gained_energy(const Invariants& start, const Invariants& end, double most_kinetic) const;
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
 
   // The power of external wrenches and dampers [W]; `wrenches` as in `sim`.
   struct Applied;
-  std::unique_ptr<Applied> applied_;  // nullptr: the scene has no such forces
+  std::unique_ptr<Applied> applied_;  // nullptr: no wrenches and dampers
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;

@@ -116,7 +116,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// Prints one fact per line, if all islands have the same results.
+// Prints one fact per line, for scenes in which all islands have equal results.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {

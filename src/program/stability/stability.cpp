@@ -131,7 +131,7 @@ struct Plan {
   bool progress = false;
 };
 
-// Returns the number of solves of all runs, as a measure of their cost.
+// Returns the number of solves of all runs, a measure of the runs' cost.
 double total_work(const Plan& plan) {
   double work = 0;
   for (double h : step_sizes()) work += 5 * plan.drift_time / h * static_cast<double>(gains_choices().size());

@@ -6,9 +6,9 @@
 
 namespace manycontact::cli {
 
-/// "humanoid", or "herd x64" for copies.
+/// Returns "humanoid", or "herd x64" for copies.
 std::string group_name(const RobotGroup& group);
-/// "1 floating, 32 revolute".
+/// Returns the counts of joint types: "1 floating, 32 revolute".
 std::string joint_types(const Model& model);
 /// Returns the names of robots, all copies of a group as one: "a, b, beam", "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);

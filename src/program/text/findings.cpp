@@ -56,7 +56,7 @@ std::string contradicted_by(const Contradiction& c) {
   return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
-// "r/knee (arm.urdf:12)"
+// Returns the finding's name and place: "r/knee (arm.urdf:12)".
 std::string place(const Finding& finding) {
   return finding.name + " (" + std::filesystem::path(finding.file).filename().string() + ":" +
          std::to_string(finding.line) + ")";

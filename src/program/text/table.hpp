@@ -12,7 +12,7 @@ namespace manycontact::cli {
 inline constexpr int kLineWidth = 100;
 
 using text::number;
-/// "3.5e+05"
+/// Formats `x` as "3.5e+05".
 std::string scientific(double x);
 /// Formats `x` with `decimals` decimals, never "-0.00". Numbers that would be too long are formatted by number().
 std::string decimal(double x, int decimals = 2);

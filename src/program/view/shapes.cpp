@@ -14,7 +14,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 4000;  // triangles of a mesh; finer meshes are thinned out
+constexpr std::size_t kMostTriangles = 4000;  // most triangles of a mesh; finer meshes are decimated
 
 constexpr const char* kNames[] = {"box", "cylinder", "sphere", "mesh"};
 
@@ -118,7 +118,7 @@ Json names_of_bodies(const Model& model) {
 Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
   std::unordered_map<std::string, const Frame*> frames;
   for (const Frame& frame : model.frames) frames.emplace(frame.name, &frame);
-  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // the base first
+  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // one entry per body, base first
   Json shapes = Json::array();
   for (const Visual& visual : load_visuals(urdf)) {
     const auto found = frames.find(visual.link);

@@ -78,7 +78,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  const std::vector<char> active = recording.dynamics.active;  // the scene's
+  const std::vector<char> active = recording.dynamics.active;  // initially as in the scene
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);

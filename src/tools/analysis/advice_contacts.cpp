@@ -57,7 +57,7 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
 
 // Contacts that could replace all contacts between two bodies.
 struct Replacement {
-  std::string text;  // empty: no advice
+  std::string text;  // the advice; empty: none
   int rows = -1;     // number of rows; -1: no single contact type replaces them
 };
 

@@ -16,7 +16,7 @@ namespace manycontact {
 namespace {
 
 constexpr int kMostTries = 400;
-constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // damping of contacts, 1/kg
 constexpr double kExact = 1e-14;  // placement errors below this, relative to 1 m + max |q|, are rounding errors
 
 // Returns a configuration near q: the coordinates of robots with active contacts are changed slightly.

@@ -97,7 +97,7 @@ struct GoalRows::Rows {
   double root;  // square root of the goal's weight
   GoalLeft left = {};
 
-  // Appends a row's error; returns its number.
+  // Appends a row with the error e; returns the row's number.
   int add(double e) {
     to.e_.push_back(root * e);
     return static_cast<int>(to.e_.size()) - 1;
@@ -173,7 +173,7 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
   const SE3<double> M = placed(goal.frame);
   const Turned turned = turned_from(M.R, goal);
   std::vector<int> chain;
-  Mat6X<double> J;  // local
+  Mat6X<double> J;  // frame Jacobian in the frame's axes
   if (rows.with_jacobian) {
     chain = dof_chain(model, goal.frame.joint);
     J.resize(6, model.nv);

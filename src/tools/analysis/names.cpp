@@ -34,7 +34,7 @@ std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, T
   return names;
 }
 
-// "robot/frame" for the frame that an attachment was made from; "" if it is unknown.
+// Returns "robot/frame" of the frame that an attachment was made from; "" if the frame is unknown.
 std::string frame_name(const Scene& scene, const Attachment& at) {
   return at.frame.empty() || at.robot < 0 ? at.frame : scene.robots[at.robot].name + "/" + at.frame;
 }

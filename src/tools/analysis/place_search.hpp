@@ -13,7 +13,7 @@ namespace manycontact::internal {
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  /// Computes the limits of a step from q.
+  /// Computes the bounds low, high (nv) of a step from q.
   void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
 
   Eigen::VectorXd lower, upper;
@@ -52,7 +52,7 @@ class PlaceSearch {
   GoalRows rows_;
   int tries_ = 0;
   bool out_of_steps_ = false;
-  double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
+  double reach_ = std::numeric_limits<double>::infinity();  // bound of the entries of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
   Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from this q
   std::optional<BoundedStep> bounded_;

@@ -14,7 +14,7 @@ constexpr int kRankProbes = 2;
 constexpr double kNoChange = 1e-8;   // smaller values of B(z, y), relative to its terms, are rounding errors
 constexpr int kFactors = 3;          // number of factors of B(z, y), each of which an error of J may change
 constexpr double kNoMotion = 1e-9;   // smaller projections, relative to the projected vector, count as no motion
-constexpr double kMostLooked = 1e5;  // contacts times coordinates: in larger islands the coordinate is not searched for
+constexpr double kMostLooked = 1e5;  // largest contacts times coordinates for which RankChange::coordinate is found
 
 // Test vectors for all islands at once: n in the null space of J^T, z an allowed motion, y any motion.
 class Probe {

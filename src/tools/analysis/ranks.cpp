@@ -17,7 +17,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostWork = 3e9;    // most multiplications of one dense rank: a second or two
+constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation: a second or two
 constexpr int kMostThresholds = 4;   // most trial values of RowRemainders::dependent
 constexpr double kSamePoint = 1e-9;  // points closer than this, relative to the extent of all points, coincide
 
@@ -41,7 +41,7 @@ struct Examined {
   }
 };
 
-// Returns J^T of some contacts of an island, restricted to the columns they act on, with each row of J relative to its
+// Returns J^T of some contacts of an island, only coordinates that they act on, with each row of J relative to its
 // size. Remainders up to tolerance::kRank count as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // key: column of the island; value: column of the result
@@ -114,7 +114,7 @@ int rank_of(const Eigen::MatrixXd& Jt, double least) {
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
 
-// Positions in the island of the contacts between each pair of bodies.
+// Returns for each pair of bodies the contacts between them, as positions in the island.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
   std::map<std::pair<Body, Body>, std::vector<int>> sorted;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -206,7 +206,7 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   return "";
 }
 
-// The name of a contact of which only some rows are kept.
+// Returns the name of a contact of which only `rows` are kept.
 std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   std::vector<std::string> names;
   for (int r : rows) names.push_back(row_name(contact, r));

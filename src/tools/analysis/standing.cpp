@@ -17,7 +17,7 @@ using Point = Eigen::Vector2d;
 
 double cross(const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-// The convex polygon around the points, counterclockwise (Andrew's monotone chain).
+// Returns the convex hull of the points, counterclockwise (Andrew's monotone chain).
 std::vector<Point> hull(std::vector<Point> points) {
   const auto before = [](const Point& a, const Point& b) { return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1]; };
   std::vector<Point> out;
@@ -35,7 +35,7 @@ std::vector<Point> hull(std::vector<Point> points) {
   return out;
 }
 
-// The distance of c from the polygon if it is outside, otherwise 0.
+// Returns the distance of the point c from the polygon; 0 if c is inside.
 double outside(const Point& c, const std::vector<Point>& polygon) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = polygon.size() > 2;

@@ -66,7 +66,7 @@ double excess_torque(const double* f, double mu, double X, double Y) {
   return std::max(low - f[5], f[5] - high);
 }
 
-// Returns per robot the largest linear contact force, or its load if that is larger: the scale of rounding errors.
+// Returns for each robot the larger of its largest linear contact force and its load: the scale of rounding errors.
 std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset,
                                    const Eigen::VectorXd& loads) {
   std::vector<double> largest(loads.begin(), loads.end());

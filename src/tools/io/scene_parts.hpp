@@ -20,7 +20,7 @@ struct SceneElements {
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
-/// Adds the name of an element, and refuses a duplicate. what: "a robot".
+/// Adds an element's name to `names`. Throws InputError for a duplicate. what: kind of element, for the message.
 void add_name(const Element& e, const std::string& what, const std::string& name,
               std::unordered_map<std::string, Where>& names);
 
@@ -34,7 +34,7 @@ void add_or_fail(const Element& e, Add&& add) {
   }
 }
 
-/// A <robot> element as read.
+/// The content of a <robot> element.
 struct RobotElement {
   explicit RobotElement(const Element& e) : element(e) {}
 
@@ -42,8 +42,8 @@ struct RobotElement {
   RobotGroup group;
   UrdfOptions options;
   bool gravity_torques = false;           // u="gravity"
-  std::map<std::string, Element> joints;  // <joint>, by joint
-  std::map<std::string, Element> locks;   // <lock>, by joint
+  std::map<std::string, Element> joints;  // <joint> children by joint name
+  std::map<std::string, Element> locks;   // <lock> children by joint name
 };
 
 /// Configuration, velocity and torques of one robot, before `arrange` moves copies.
@@ -88,7 +88,7 @@ class EndReader {
  public:
   explicit EndReader(const SceneFile& scene);
 
-  /// Reads a required attribute.
+  /// Reads the end in a required attribute.
   End read(const Element& e, const char* attribute);
   /// Reads an attribute without +k and -k; a copied robot's name means all copies.
   End read_first(const Element& e, const char* attribute);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostCopies = 1000000;
 
-// The <joint> or <lock> children by joint name; each joint may occur once.
+// Returns the <joint> or <lock> children by joint name. Throws InputError if a joint occurs twice.
 std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
   std::map<std::string, Element> out;
   for (const Element& e : robot.children(child)) {
@@ -127,7 +127,7 @@ class ModelCache {
 };
 
 struct Arrangement {
-  int kind = 0;  // line, circle, grid
+  int kind = 0;  // 0: line, 1: circle, 2: grid
   double spacing = 1;
   int count = 1;
 
@@ -166,7 +166,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   q.head<3>() += translation;
 }
 
-// q, v, u of the scene while robots are added.
+// The scene's q, v, u, to which each added robot appends its own.
 struct Growing {
   std::vector<double> q, v, u;
   static void append(std::vector<double>& to, const Eigen::VectorXd& x) {

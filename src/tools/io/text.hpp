@@ -33,10 +33,10 @@ std::string file_problem(const std::string& path, bool only_regular = false);
 /// may contain any bytes.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
-/// The shortest decimal that reads back as x.
+/// Returns the shortest decimal that reads back as x.
 std::string show(double x);
 
-/// Splits at white space.
+/// Splits `text` at white space.
 std::vector<std::string_view> words(std::string_view text);
 
 /// Parses one finite number. what: the number's name in error messages.

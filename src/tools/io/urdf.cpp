@@ -65,7 +65,7 @@ Vec3<double> axis_of(const urdf::Joint& joint) {
   return axis / axis.stableNorm();
 }
 
-// The smallest rotation that takes z to the unit vector a (about x if a = -z).
+// Returns the smallest rotation from the z axis to the unit vector a (about x if a = -z).
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
   const double s2 = a.x() * a.x() + a.y() * a.y();
   if (s2 == 0) return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
@@ -196,7 +196,7 @@ class Builder {
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                      ", expected a root on this side of it");
     SE3<double> link = behind;
-    if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps its frame
+    if (out.type == JointType::kPlanar) {  // z of the joint frame becomes the plane's normal, not that of the link
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {

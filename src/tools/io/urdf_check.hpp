@@ -45,7 +45,7 @@ struct InertiaVerdict {
 /// axis are allowed. Merged links are not checked alone: Talos' gripper motors violate the inequality by 1.3 %.
 InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
-/// Refuses elements of xacro, except in shapes and colours, where tell_unread reports them.
+/// Throws InputError for elements of xacro. In shapes and colours, tell_unread reports them instead.
 void refuse_xacro(const Element& robot);
 
 /// Reports ignored elements and attributes that affect the motion: loops, gears, springs, misspelt names.

@@ -12,10 +12,10 @@ namespace {
 
 using Names = std::set<std::string, std::less<>>;
 
-// "drake:gear_ratio" -> "gear_ratio"
+// Returns the name without namespace: "gear_ratio" for "drake:gear_ratio".
 std::string local_name(const std::string& name) { return name.substr(name.rfind(':') + 1); }
 
-// Calls visit for every descendant.
+// Calls visit(element) for every descendant of e.
 template <class Visit>
 void each_inside(const Element& e, const Visit& visit) {
   for (const Element& inside : e.children()) {
@@ -150,7 +150,7 @@ void look_at_joint(const Element& joint, Unread& unread) {
     unread.count(*joint.child("limit"), owner, "<limit> of a " + type + " joint");
 }
 
-// The prefixes of xacro's namespace in this file.
+// Returns the prefixes that the file declares for xacro's namespace.
 Names xacro_prefixes(const Element& robot) {
   Names prefixes = {"xacro"};
   for (const std::string& attribute : robot.attributes())
@@ -159,14 +159,14 @@ Names xacro_prefixes(const Element& robot) {
   return prefixes;
 }
 
-// Whether xacro should have replaced an element.
+// Whether an element is one of xacro's, which xacro should have replaced.
 bool is_xacro(const Element& e, const Names& prefixes) {
   const std::string name = e.name();
   const std::size_t colon = name.find(':');
   return colon != std::string::npos && prefixes.count(name.substr(0, colon)) > 0;
 }
 
-// Shapes and colours, which do not affect the motion.
+// Whether an element is a shape or a colour, which do not affect the motion.
 bool is_only_seen(const Element& e) {
   const std::string name = e.name();
   return name == "visual" || name == "collision" || name == "material";

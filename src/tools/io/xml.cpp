@@ -49,7 +49,7 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;
-  constexpr std::size_t kLeast = 3;  // letters
+  constexpr std::size_t kLeast = 3;  // fewest letters of a beginning
   for (const char* k : known)
     if (name.size() >= kLeast && std::string_view(k).starts_with(name)) return k;
   return nullptr;
@@ -61,7 +61,7 @@ std::string expected(const char* name, std::initializer_list<const char*> known)
   return suggestion(name, {known.begin(), known.end()});
 }
 
-// XML_ERROR_MISMATCHED_ELEMENT -> "mismatched element"
+// Returns "mismatched element" for "XML_ERROR_MISMATCHED_ELEMENT".
 std::string plain_words(std::string error) {
   if (error == "XML_ERROR_PARSING_ATTRIBUTE") return "an attribute that is malformed or given twice";
   if (error.rfind("XML_", 0) == 0) error.erase(0, 4);

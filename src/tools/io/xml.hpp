@@ -27,7 +27,7 @@ class Element {
   Where where(const char* attribute) const;
   [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
 
-  /// Refuses an attribute's value, at its line, with the message label + what.
+  /// Throws InputError for an attribute's value, at the attribute's line, with the message label(attribute) + what.
   [[noreturn]] void refuse(const char* attribute, const std::string& what) const {
     where(attribute).fail(label(attribute) + what);
   }
@@ -90,7 +90,7 @@ class Element {
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 
-  /// "attribute of <name>", for messages.
+  /// Returns "attribute of <name>" for messages.
   std::string label(const char* attribute) const;
 
  private:

@@ -24,7 +24,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmaller = 0.7;  // factor by which a step is shortened
+constexpr double kSmaller = 0.7;  // factor by which one trial shortens a step
 constexpr int kMostTrials = 60;
 constexpr double kFast = 10;        // h^2 k / m above which springs lose energy in the linear step
 constexpr double kRounding = 1e-9;  // rounding errors relative to the energy of springs

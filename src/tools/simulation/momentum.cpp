@@ -228,7 +228,7 @@ Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoin
 }  // namespace internal
 
 FreeGroups::FreeGroups(const Scene& scene) {
-  int nodes = 1;  // 0: the world
+  int nodes = 1;  // node 0 is the world
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Model& model = *scene.robots[r].model;
     first_body.push_back(static_cast<int>(node.size()));

@@ -19,7 +19,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // vector from the reference
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // reference to centre of mass
 
 // Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>
@@ -79,7 +79,7 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
       differentiate_robot(scene, r, static_cast<int>(g), kin, groups, group, d, out);
       for (int c = scene.robots[r].idx_v; c < scene.robots[r].idx_v + scene.robots[r].model->nv; ++c) {
         out.C_q.col(c) = out.h_v.col(c).head<3>() / group.Y.m;
-        // L = L_reference - C x P
+        // derivatives of L = L_reference - C x P
         out.h_q.col(c).tail<3>() -=
             Vec3<double>(out.C_q.col(c)).cross(P) + C.cross(Vec3<double>(out.h_q.col(c).head<3>()));
         out.h_v.col(c).tail<3>() -= C.cross(Vec3<double>(out.h_v.col(c).head<3>()));
@@ -157,7 +157,7 @@ void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Ei
 // Computes the rows of q in F: T dq~ + E dd (see the header).
 void differentiate_displacement(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
-  for (const FreeGroups::FreeJoint& j : groups.joints) {  // T
+  for (const FreeGroups::FreeJoint& j : groups.joints) {  // T dq~
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     if (joint.parent < 0) continue;
@@ -178,7 +178,7 @@ void differentiate_displacement(const Scene& scene, const std::vector<Kinematics
       out.added.col(c).head<3>() = along;
     }
   }
-  for (const FreeGroups::FreeJoint& j : groups.joints) {  // E
+  for (const FreeGroups::FreeJoint& j : groups.joints) {  // E dd
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     const Mat3<double> R = kin[j.robot].oMi[j.joint].R.transpose();

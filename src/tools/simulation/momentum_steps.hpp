@@ -38,7 +38,7 @@ void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// Solves I dw = dL for the angular velocity dw; dw is 0 about axes without inertia.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// Several free groups as one rigid body.
+/// The rigid body that several free groups would be if they did not move relative to each other.
 struct OneBody {
   double m = 0;
   Vec3<double> C = Vec3<double>::Zero();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFirstIterations = 6;  // inverse iterations from an arbitrary start vector
 
-// x^T y over the rows of an island.
+// Returns x^T y over the rows of an island.
 double product(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& x,
                const Eigen::VectorXd& y) {
   double sum = 0;

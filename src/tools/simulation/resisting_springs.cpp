@@ -162,7 +162,7 @@ const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s)
   return &inverse;
 }
 
-// a = K^-1 b
+// Computes a = K^-1 b with K^-1 in `inverse`.
 void multiply(const Scene& rest, const SceneData& data, const DerivativeData& inverse, const Eigen::VectorXd& b,
               Eigen::VectorXd& a) {
   a.setZero(b.size());
@@ -323,7 +323,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
     for (const Attachment* end : {&scene.springs[k].A, &scene.springs[k].B})
-      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // it fails
+      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // fails
         d.w.segment(robot->idx_v, robot->model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);

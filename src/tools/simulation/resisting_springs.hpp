@@ -53,7 +53,7 @@ struct ResistingSprings {
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
   bool is_dense = true;        // J K^-1 J^T is stored dense: few rows, or most rows on one island
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
-  std::vector<int> used;       // rows that are not left out
+  std::vector<int> used;       // rows that are part of the last factorization
   Eigen::VectorXd of_used;
   Eigen::LLT<Eigen::MatrixXd> factor;                        // factor of with_D
   Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used if `factor` fails
@@ -73,7 +73,7 @@ constexpr double kIdle = 1e-300;  // value of D for a row that is left out
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
 /// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all rows. Returns false if the factorization fails.
 [[nodiscard]] bool factorize_rows(bool all, ResistingSprings& s);
-/// x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
+/// Computes x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
 void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
 /// Adds external wrenches and joint springs at the start of the step to data.w, and evaluates data.applied there.

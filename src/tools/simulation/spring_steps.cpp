@@ -14,7 +14,7 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-constexpr int kMostAsked = 100;  // most joints of a robot for which mobilities are computed
+constexpr int kMostAsked = 100;  // most joints with forces of a robot whose mobilities are computed
 
 // Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
 struct JointForces {

@@ -31,7 +31,7 @@ struct SimulationBatch::Part {
 
 struct SimulationBatch::Work {
   int copies;
-  Scene scene;  // the copies
+  Scene scene;  // one scene with all copies of the robots
   Integrator integrator;
   double h;
   Options options;
@@ -200,7 +200,7 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
            "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
 }
 
-// Renews the data from which the next step continues after one state was replaced.
+// Updates the data from which the next step continues, after state `copy` was replaced in d.q, d.v.
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);

@@ -9,7 +9,7 @@ class OrbitCamera {
     this.azimuth = -0.9;   // rad, from x towards y
     this.elevation = 0.28; // rad
     this.distance = 5;     // m
-    this.moved = false;    // by the user
+    this.moved = false;    // whether the user moved the camera
     this.changed = changed;
     this.pointers = new Map();
     canvas.addEventListener('pointerdown', (e) => this.down(canvas, e));

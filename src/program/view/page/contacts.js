@@ -101,7 +101,7 @@ class Contacts {
     this.placeForces(at, scale);
   }
 
-  // Names of the active contacts whose force is outside of its cone.
+  // Returns the names of the active contacts whose force is outside of the friction cone.
   outside() { return this.list.filter((parts) => parts.outside).map((parts) => parts.contact.name); }
 
   placeForces(at, scale) {

@@ -101,7 +101,7 @@ class Page {
     this.camera.target.copy(this.startTarget);
   }
 
-  // The part of the picture's width that the panel covers.
+  // Returns the width of the picture that the panel covers [pixels].
   covered() { return Math.min(element('panel').offsetWidth + 12, element('canvas').clientWidth / 2); }
 
   setControls() {

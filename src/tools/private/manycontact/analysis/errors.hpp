@@ -10,12 +10,12 @@
 
 namespace manycontact {
 
-/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if x or truth contains NaN.
+/// The differences |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if x or truth contains NaN.
 struct Deviation {
   double absolute = 0, relative = 0;
 };
 
-/// max |x_ij|. NaN if x contains NaN.
+/// Returns max |x_ij|; NaN if x contains NaN.
 template <class X>
 double largest_entry(const X& x) {
   using std::abs;

@@ -13,7 +13,7 @@ namespace manycontact::internal {
 
 /// Computes a = -v / h - w x v, the acceleration with which the step ends at x = 0. v, a: nv.
 void stop_in_a_step(const Scene& scene, const Eigen::VectorXd& v, double h, Eigen::VectorXd& a);
-/// The derivative of w x v with respect to a free joint's v, in its coordinates.
+/// Returns the derivative of w x v with respect to a free joint's velocity, in the joint's coordinates.
 using OfFreeJoint = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 OfFreeJoint derivative_of_turn(const Joint& joint, const ConstVectorRef& v);
 

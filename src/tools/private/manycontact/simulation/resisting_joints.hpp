@@ -16,7 +16,7 @@
 
 namespace manycontact::internal {
 
-/// Most solves of a step until friction settles.
+/// Most solves of a step in which Newton's method finds the sticking joints.
 constexpr int kMostSolves = 50;
 /// A joint sticks below this speed [rad/s, m/s].
 constexpr double kStickVelocity = 1e-6;
@@ -27,7 +27,7 @@ struct ResistingJoints {
   // These members have one entry per velocity coordinate.
   Eigen::VectorXd damping;        // N m s / rad
   Eigen::VectorXd friction;       // N m
-  std::vector<signed char> slip;  // 0: sticks; 1, -1: slides in that direction
+  std::vector<signed char> slip;  // 0: sticks; 1, -1: slides in the positive, negative direction
   Eigen::VectorXd added, to_add;  // h d + h^2 k of the last factorization, and of this step
   Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
   Eigen::VectorXd kept, kept_k;   // joint springs: share of v that they do not resist; that share times h^2 k
@@ -56,7 +56,7 @@ struct ResistingJoints {
   }
   /// The part of inertia(i, h) that resists v.
   double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }
-  /// b -= scale F of the joints that slide.
+  /// Subtracts scale times the friction force of sliding joints from b (nv).
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
   }
