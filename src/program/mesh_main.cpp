@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   if (format != ".dae" && format != ".obj" && format != ".stl")
     return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
 
-  // Nodes place the meshes, in metres by <unit>. As in rviz, the axes are those of the file, whatever its <up_axis>.
+  // Nodes place the meshes, in metres by <unit>. The file's <up_axis> is ignored, as in rviz.
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(argv[1], 0);

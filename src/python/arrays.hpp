@@ -2,11 +2,11 @@
 // Numpy arrays for Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers that are not
 // finite raise a ValueError with the reason. Objects that are not arrays of numbers raise pybind11's TypeError.
 //
-//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only, since writing into them
+//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only: writing into a copy
 //                              would not change the object
 //   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)
-//   view(...)                  an array on the memory of a matrix, whose owner it keeps alive
+//   view(...)                  an array that views the memory of a matrix, and keeps the matrix's owner alive
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
@@ -24,7 +24,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using Doubles = py::array_t<double, py::array::forcecast>;
 
-/// A vector of bounds: infinite numbers allowed, NaN not.
+/// A vector of bounds: infinite numbers are allowed, NaN is not.
 struct Bounds {
   Eigen::VectorXd x;
 };
@@ -41,10 +41,10 @@ std::string shape_of(const py::array& array);
 /// Returns `source` as float64 in C's order; null if it is neither an array nor a sequence of numbers.
 Doubles as_doubles(py::handle source);
 
-/// Does the same. Throws ValueError for another number of dimensions, or sizes; Eigen::Dynamic permits any size.
+/// Returns as_doubles(source). Throws ValueError for a wrong number of dimensions or size; Eigen::Dynamic: any size.
 Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols);
 
-/// Throws ValueError if a number is not finite (`infinite`: if one is NaN). name: the argument's, "" if unknown.
+/// Throws ValueError if a number is not finite (with `infinite`: is NaN). name: name of the argument, "" if unknown.
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
 
 /// Makes the array read-only: numpy raises if it is written into.
@@ -53,7 +53,7 @@ inline py::array read_only(py::array array) {
   return array;
 }
 
-/// Returns an array on numbers of `owner`, which it keeps alive. Strides count doubles.
+/// Returns a numpy array that views numbers of `owner` and keeps `owner` alive. Strides count doubles.
 inline py::array view(const double* x, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                       py::handle owner, bool writeable) {
   for (py::ssize_t& s : strides) s *= static_cast<py::ssize_t>(sizeof(double));
@@ -73,7 +73,7 @@ py::array copy(const M& m) {
   return view(m, py::none(), true).attr("copy")();
 }
 
-/// Does the same; the copy is read-only if a property returns it (only those have the policy reference_internal).
+/// Returns copy(m), read-only if a property returns it (only properties have the policy reference_internal).
 template <class M>
 py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
@@ -82,7 +82,7 @@ py::array copy(const M& m, py::return_value_policy policy) {
 /// Throws TypeError for None and text, which numpy would convert to numbers.
 void expect_numbers_in(py::handle values);
 
-/// Assigns values to m as `m[...] = values` does: values of m's shape, or that numpy broadcasts to it.
+/// Assigns values to m as `m[...] = values` does in numpy: their shape is that of m, or is broadcast to it.
 template <class M>
 void assign(M& m, py::handle values) {
   expect_numbers_in(values);

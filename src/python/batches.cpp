@@ -9,9 +9,9 @@ namespace manycontact::python {
 
 namespace {
 
-std::mutex one_batch;  // serialises batches, since OpenBLAS' number of threads is that of the process
+std::mutex one_batch;  // serialises batches: they set OpenBLAS' number of threads for the whole process
 
-// A matrix with a row per state. Numbers that are not finite make their state fail.
+// A matrix with a row per state. A state with numbers that are not finite gets the status kFailed.
 struct Rows {
   Doubles array;
   ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {
@@ -44,7 +44,7 @@ struct NewRows {
 constexpr Eigen::Index kFirstChunk = 256;
 constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
 
-// Calls work(first, count) for chunks of states of about a tenth of a second each, and handles Ctrl-C in between.
+// Calls work(first, count) for chunks of states that take about 0.1 s each, and handles Ctrl-C between the chunks.
 template <class Work>
 void run_batch(Eigen::Index states, Work&& work) {
   const std::unique_lock turn(one_batch, std::try_to_lock);

@@ -19,7 +19,7 @@ namespace manycontact::python {
 /// Lets Python run in other threads during a call.
 using Unlocked = py::call_guard<py::gil_scoped_release>;
 
-/// Calls each(a, b), each(c, d) for a, b, c, d and N = 2.
+/// Calls `each` for consecutive groups of N arguments: for N = 2 and a, b, c, d, each(a, b) and each(c, d).
 template <std::size_t N, class Each, class... Given>
 void in_groups(Each&& each, const Given&... given) {
   static_assert(sizeof...(Given) % N == 0);
@@ -114,7 +114,7 @@ class Class {
     (..., def(python_name_of<member>().c_str(), member, Unlocked()));
     return *this;
   }
-  /// Adds a constructor from the members of a structure, or the first of them.
+  /// Adds a constructor that takes the first members of a structure, of the types Members.
   template <class... Members>
   Class& from_members() {
     return def(py::init(
@@ -126,7 +126,7 @@ class Class {
     return *this;
   }
 
-  /// Adds attributes that cannot be assigned: "name", &T::name, ... with members, methods or functions of the object.
+  /// Adds read-only attributes: "name", getter, ... where a getter is a member, a method or a function of the object.
   template <class... Given>
   Class& read(Given... given) {
     in_groups<2>([this](const char* name, auto member) { read_one(name, member); }, given...);
@@ -137,7 +137,7 @@ class Class {
     (..., read_one(python_name_of<member>(), member));
     return *this;
   }
-  /// Adds read-only attributes of at(object), as copies.
+  /// Adds members of the structure at(object) as read-only attributes, which are copies.
   template <auto... member, class At>
   Class& read_at(At at) {
     const auto add = [&](const std::string& name, auto m) {
@@ -164,7 +164,7 @@ class Class {
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
-  /// Adds an object with attributes of its own, in Python a Handle: get(owner) and set(owner, object).
+  /// Adds a property that is a Handle (an object with attributes), read by get(owner), assigned by set(owner, object).
   template <class Owner, class Get, class Set>
   Class& handle(const char* name, Get get, Set set) {
     using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
@@ -173,13 +173,13 @@ class Class {
     };
     return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
   }
-  /// Adds matrices as arrays on their memory; see view_property in objects.hpp.
+  /// Adds matrices as numpy arrays that view their memory; see view_property in objects.hpp.
   template <auto... member>
   Class& views() {
     (..., view_property(*this, name_of<member>().c_str(), member));
     return *this;
   }
-  /// Adds members of an object within another one; see handle_field in handle.hpp.
+  /// Adds members of an object that belongs to another object; see handle_field in handle.hpp.
   template <auto... member>
   Class& fields() {
     (..., handle_field(*this, name_of<member>().c_str(), member));
@@ -187,7 +187,7 @@ class Class {
   }
 
  private:
-  // Not inlined, so that all members of a type share one function.
+  // Not inlined: all members of one type then share one compiled function.
   template <class M>
   [[gnu::noinline]] void read_one(const std::string& name, M member) {
     if constexpr (std::is_member_object_pointer_v<M>)

@@ -1,5 +1,5 @@
 #pragma once
-// SceneData in Python. One thread uses it at a time. Arrays on derivatives keep their numbers after the next change.
+// SceneData in Python, used by one thread at a time. Arrays of derivatives keep their numbers if SceneData changes.
 
 #include <unordered_map>
 
@@ -9,7 +9,7 @@
 
 namespace manycontact::python {
 
-/// Keeps the memory of numpy arrays on an island's panel alive: the data while they contain the panel, then the panel.
+/// Keeps the memory of numpy arrays that view an island's panel alive: the SceneData, or later the panel alone.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
   AlignedPanel panel;
@@ -25,7 +25,7 @@ class Data {
     return *data_;
   }
 
-  /// Calls work(SceneData&) without the GIL. Arrays on derivatives keep their numbers, since the data get a copy.
+  /// Calls work(SceneData&) without the GIL. Arrays of derivatives keep their memory; SceneData gets a copy of it.
   template <class Work>
   auto use(Work&& work) const {
     const Turn turn(*state_);
@@ -34,10 +34,10 @@ class Data {
     return work(*data_);
   }
 
-  /// Calls contact_force. Checks the whole scene only once per solve and scene.
+  /// Calls contact_force. The scene is checked only in the first call after a solve.
   Eigen::VectorXd force_of(const Scene& scene, int contact) const;
 
-  /// Returns an array on a block of an island's panel.
+  /// Returns an array that views a block of an island's panel.
   py::array export_block(const IslandDerivatives& island, const double* x, Eigen::Index rows, Eigen::Index cols) const;
 
  private:
@@ -75,7 +75,7 @@ auto with_data(F f, Convert convert = {}) {
       return convert(data.use(work));
   };
 }
-/// Does the same for f(scene, q, data).
+/// Returns f(scene, q, data) as a function for Python that returns convert(result).
 template <class F, class Convert = std::identity>
 auto at_solution(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Raw& q, const Data& data) {

@@ -23,7 +23,7 @@ void Data::let_go_of_panels() const {
     if (!keeper) continue;
     auto& X = const_cast<IslandDerivatives*>(island)->X;
     keeper->panel = X;
-    keeper->panel.swap(X);  // the keeper gets the memory that the arrays view
+    keeper->panel.swap(X);  // the keeper then owns the memory that the arrays view
     keeper->data.reset();
   }
   state_->exported.clear();
@@ -31,7 +31,7 @@ void Data::let_go_of_panels() const {
 
 namespace {
 
-// DerivativeData of the last differentiate, and one island of it, found through the data.
+// DerivativeData of the last differentiate, looked up in `data` at each access; likewise one island of DerivativeData.
 struct Derivatives {
   std::shared_ptr<Data> data;
   const DerivativeData& get() const { return derivatives(data->at_rest()); }
@@ -55,7 +55,7 @@ auto block_property(Block (IslandDerivatives::*block)() const) {
   };
 }
 
-// Returns K of one island, or of the whole scene (island < 0).
+// Returns the KKT matrix K of one island, or of the whole scene if island is -1.
 Eigen::SparseMatrix<double> joined_kkt_matrix(const Scene& scene, const SceneData& d, int island) {
   const auto count = static_cast<int>(island_count(d));
   if (island < -1 || island >= count)

@@ -95,7 +95,7 @@ auto solution(decltype(solve)* of_torques, const char* name) {
   };
 }
 
-// Returns a function that makes an estimate and returns the report, which then contains it.
+// Returns a function for Python that makes an estimate and returns the report with this estimate.
 auto reported(void (*estimate)(const Scene&, SceneData&)) {
   return with_data([estimate](const Scene& scene, SceneData& data) {
     estimate(scene, data);

@@ -32,7 +32,7 @@ struct Names {
   static inline std::vector<Member> members;
 };
 
-/// Returns the member called `name`, in any of these ways. Throws a ValueError that lists the members if there is none.
+/// Returns the member called `name`, in any spelling above. Throws a ValueError that lists the members if none matches.
 template <class E>
 E value_called(const std::string& name) {
   const std::string asked = plain(name);
@@ -44,7 +44,7 @@ E value_called(const std::string& name) {
   throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
 }
 
-/// Converts members, and strings with their names.
+/// pybind11 caster: accepts members of the enumeration, and strings that name a member.
 template <class E>
 struct EnumCaster : py::detail::type_caster_base<E> {
   bool load(py::handle source, bool convert) {
@@ -58,11 +58,11 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// "SPARSE_LDL" of "kSparseLdl"; other names are Python's.
+/// Returns "SPARSE_LDL" for "kSparseLdl"; names without a leading k are returned unchanged.
 std::string python_name(const std::string& enumerator);
 
 /// Binds an enumeration; its entry in docs/*.txt has the word that errors use for a member. values: all members of an
-/// unscoped enumeration; those of a scoped one are numbered from 0. Members without a C++ word have Python names.
+/// unscoped enumeration; a scoped enumeration needs none (numbered from 0). Members without to_string: Python's name.
 template <class E, E... values>
 void enumeration(py::module_& m, const char* prefix = "") {
   constexpr bool has_words = requires(E x) {

@@ -1,10 +1,10 @@
 #pragma once
-// Objects within others: scene.contacts[0], scene.contacts[0].B, data.options. In Python each is a Handle, which finds
-// the object and assigns it, so that
+// C++ objects that are members of other objects: scene.contacts[0], scene.contacts[0].B, data.options. In Python each
+// is a Handle, which looks the object up in its owner and assigns it there, so that
 //
 //     scene.contacts[0].alpha = 9
 //
-// changes the scene, and impossible assignments raise. A Handle of an independent Python object contains the object.
+// changes the scene; invalid assignments raise. A Handle without an owner (Contact() in Python) contains its object.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -34,7 +34,7 @@ class Handle {
     find_ = [held]() -> const T& { return *held; };
     set_ = [held](T x) { *held = std::move(x); };
   }
-  /// set: checks the new value, and throws if it does not fit.
+  /// find: looks the object up. set: checks and assigns a new value; throws if it is invalid.
   Handle(Find find, Set set) : find_(std::move(find)), set_(std::move(set)) {}
 
   const T& get() const { return find_(); }
@@ -69,7 +69,7 @@ struct HandleCaster {
 template <class M>
 inline constexpr bool is_handled = std::is_base_of_v<HandleCaster<M>, py::detail::type_caster<M>>;
 
-/// Adds a member as a property; a member that has attributes itself as a Handle.
+/// Adds a member as a property. If the member has attributes itself, the property is a Handle.
 template <class T, class M>
 void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
   const auto set = [member](const Handle<T>& h, M x) { h.change([&](T& object) { object.*member = std::move(x); }); };
@@ -81,12 +81,12 @@ void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
         name, [member](const Handle<T>& h) { return M(h.get().*member); }, set);
 }
 
-/// A list of an object's items without copies: items are looked up when they are requested.
+/// A list of an object's items that is not a copy: each item is looked up in the object when it is requested.
 template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  std::function<int(const std::string&)> number = {};        // the item with that name, -1: there is none
+  std::function<int(const std::string&)> number = {};        // index of the item with this name; -1: there is none
   std::function<std::string(const std::string&)> none = {};  // the message for an unknown name
 };
 

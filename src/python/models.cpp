@@ -11,7 +11,7 @@ namespace {
 
 using Placement = SE3<double>;
 
-constexpr double kOrthonormal = 1e-6;  // tolerance, equal to that for the unit length of quaternions in files
+constexpr double kOrthonormal = 1e-6;  // tolerance of R^T R = 1; quaternions in files have the same tolerance
 
 Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
   if (!(R.transpose() * R).isIdentity(kOrthonormal) || !(R.determinant() > 0))
@@ -85,7 +85,7 @@ void add_findings(py::module_& m) {
 
 using OneOrMany = std::variant<double, Eigen::VectorXd>;
 
-// Returns `count` factors or values, per joint or coordinate, from one number for all or from as many.
+// Expands `given` to `count` numbers (per joint or coordinate): one number for all, or `count` numbers.
 Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count) {
   const Eigen::VectorXd x =
       given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
@@ -94,7 +94,7 @@ Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count
   return x;
 }
 
-// One value applies to every joint except a floating base. Otherwise there is one value for each velocity.
+// Expands `given` to one number per velocity. A single number applies to every joint except a floating base.
 Eigen::VectorXd per_velocity(const char* name, const OneOrMany& given, const Model& model) {
   Eigen::VectorXd x = per(name, given, model.nv);
   for (const Joint& joint : model.joints)
@@ -102,7 +102,7 @@ Eigen::VectorXd per_velocity(const char* name, const OneOrMany& given, const Mod
   return x;
 }
 
-// Scales bodies, with everything that is fixed on them, about the origins of their joints.
+// Returns a copy of a model whose bodies, with all frames fixed on them, are scaled about the origins of their joints.
 std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneOrMany& length,
                               const std::optional<OneOrMany>& armature, const std::optional<OneOrMany>& damping,
                               const std::optional<OneOrMany>& friction) {

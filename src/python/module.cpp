@@ -44,7 +44,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-// Refuses SceneData.__new__(SceneData), which has no SceneData: pybind11 would use uninitialised memory as one.
+// Makes X.__new__(X) raise for all classes: without a C++ object, pybind11 would use uninitialised memory.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;
@@ -61,7 +61,7 @@ PYBIND11_MODULE(_manycontact, m) {
   m.attr("__version__") = MANYCONTACT_VERSION;
   using namespace manycontact::python;
   const py::object own_name = m.attr("__name__");
-  m.attr("__name__") = "manycontact";  // the value of __module__ of its classes and functions
+  m.attr("__name__") = "manycontact";  // becomes __module__ of the module's classes and functions
   py::options options;
   options.disable_enum_members_docstring();
 

@@ -14,7 +14,7 @@
 
 namespace manycontact::python {
 
-/// Keeps a Python object alive for C++, which may release it in any thread.
+/// Keeps a Python object alive as long as C++ keeps the result. Any thread may release the result.
 std::shared_ptr<void> keep(py::handle object);
 
 /// Returns `threads`, 0 for OpenMP's number. Throws ValueError for more than 1024.
@@ -28,7 +28,7 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// Adds a member matrix of constant size as a property: an array on its memory, which assignment writes into.
+/// Adds a member matrix of constant size as a property: an array that views its memory; assignment writes into it.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(
@@ -41,7 +41,7 @@ Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
 
-/// Return the numbers of `given`. Throw ValueError unless they are finite and, in the second function, `size` many.
+/// Return the numbers of `given`. Throw ValueError if a number is not finite or the count is not `size` (if given).
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given);
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given, Eigen::Index size);
 
@@ -53,7 +53,7 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// Return an array (n, 6) on the wrenches of `owner`, and set as many wrenches from such an array.
+/// Return an array (n, 6) that views the n wrenches of `owner`; set n wrenches from such an array.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
 /// Returns the wrenches as a copy.
@@ -61,9 +61,9 @@ Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w);
 
 /// Returns an array of bools that views flags 0 or 1, and keeps their owner alive.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
-/// Sets flags from as many bools, numpy bools, or whole numbers 0 and 1. name: used in errors.
+/// Sets all flags from a sequence of equal length of bools, numpy bools, or numbers 0 and 1. name: used in errors.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
-/// Returns flags of a scene's contacts. None: those of the scene.
+/// Converts `active` to one flag per contact of the scene; None means the contacts that are active in the scene.
 std::vector<char> flags_of(const Scene& scene, const py::object& active);
 
 /// Returns a sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
@@ -71,7 +71,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-// external wrenches and springs: classes before those of scenes, functions after them
+// external wrenches and springs: their classes before add_scenes, their functions after it
 void add_force_classes(py::module_& m);
 void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);

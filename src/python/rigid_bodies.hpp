@@ -1,5 +1,5 @@
 #pragma once
-// RigidBodies in Python: a Scene, a Model or a RigidBodies; frames by name.
+// Arguments of rigid-body functions in Python: a Scene, a Model or a RigidBodies; frames also by name.
 
 #include <variant>
 
@@ -8,7 +8,7 @@
 
 namespace manycontact::python {
 
-/// The first argument of functions, with the Python object that keeps it alive.
+/// The bodies that a function is called with, and the Python object that keeps them alive.
 struct Bodies {
   std::shared_ptr<void> keeper;
   std::optional<RigidBodies> view;

@@ -15,10 +15,10 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-std::map<std::string, std::size_t> taken;  // number of overloads of a key that were used
+std::map<std::string, std::size_t> taken;  // key: number of entries of its overloads that were used
 py::handle names_of_defaults;
 
-// Keeps the name, since pybind11 copies names only when the function is complete.
+// Stores the name permanently: pybind11 keeps the pointer until the function is complete.
 const char* kept(std::string_view name) {
   static std::set<std::string> names;
   return names.emplace(name).first->c_str();

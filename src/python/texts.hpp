@@ -16,21 +16,21 @@ struct Text {
   const char* doc;
 };
 
-/// Returns all entries of docs/*.txt by key; overloads are in their order.
+/// Returns all entries of docs/*.txt sorted by key; entries of overloads are in the order of docs/*.txt.
 std::span<const Text> texts();
 
-/// Returns the entry of a function, class or member; of overloads, the first one that was not used yet. Throws if there
-/// is none. Methods with underscores, such as __repr__, need none.
+/// Returns the entry of a function, class or member; of overloads, the first entry that was not used yet. Throws if
+/// there is no entry, except for methods with underscores, such as __repr__.
 const Text& text_of(const std::string& key);
 
 /// Throws if an entry of docs/*.txt was not used.
 void expect_all_texts_taken();
 
 /// Returns "status" for "... [with auto V = &manycontact::Report::status; ...]", the compiler's name of a function
-/// template; "" if V has no name, as a number that is no member of an enumeration.
+/// template. Returns "" if V has no name, for example a number outside of an enumeration.
 std::string name_in(const char* function);
 
-/// Returns "status" for &Report::status, "kSparseLdl" for Method::kSparseLdl; "" if V is no member of its enumeration.
+/// Returns "status" for &Report::status, "kSparseLdl" for Method::kSparseLdl; "" if V is a number without enumerator.
 template <auto V>
 std::string name_of() {
   return name_in(__PRETTY_FUNCTION__);

@@ -32,7 +32,7 @@ template <class V>
 inline constexpr bool is_map<std::unordered_map<std::string, V>> = true;
 using SharedModel = std::shared_ptr<const Model>;
 
-/// Returns the members of a plain structure as a tuple of references, found by the compiler: none can be forgotten.
+/// Returns the members of a plain structure as a tuple of references, by structured bindings: no member is forgotten.
 template <class T>
 auto members(T& x) {
   return tied<std::remove_const_t<T>>(x);
@@ -78,11 +78,11 @@ py::object pack(const T& x) {
   } else if constexpr (is_matrix<T>) {
     return copy(x);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
-    return py::cast(std::const_pointer_cast<Model>(x));  // pickled once, however many share it
+    return py::cast(std::const_pointer_cast<Model>(x));  // a model is pickled once, however many robots share it
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
     return py::none();  // finalize computes it
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {
-    return py::none();  // contacts of users have none
+    return py::none();  // contacts added by users have no PairRows
   } else if constexpr (is_vector<T>) {
     py::list out;
     for (const auto& item : x) out.append(pack<typename T::value_type>(item));

@@ -3,12 +3,12 @@
 // placement errors (detail/contact/rows.hpp, the alpha term) and J the constraint rows,
 //
 //     q := q (+) dq     min dq^T M dq   over the dq with least |J dq + e|    repeated until e is a rounding error
-//     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at that q
+//     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at the final q
 //
 // Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
-// contacts. These may be redundant. q is iterated by Gauss-Newton's method with the least step in the mass-weighted
-// norm. While |e| does not decrease, the contacts are damped (Levenberg-Marquardt): -delta I replaces 0. v is computed
-// as for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
+// contacts. Contacts may be redundant. The steps of q are Gauss-Newton steps of least norm in the mass-weighted
+// norm. If a step does not decrease |e|, -delta I replaces the 0 (Levenberg-Marquardt). The velocity v is computed as
+// for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -26,17 +26,17 @@ struct ConsistentState {                  // The state found, and its remaining 
   bool consistent() const { return misplaced.empty() && moving.empty(); }
 };
 
-/// Finds a state near q (nq), v (nv) that is consistent with the contacts flagged `active`. If they cannot all be
-/// brought into place from here, q is where |e| was least, and the contacts are listed. Throws std::invalid_argument
+/// Finds a state near q (nq), v (nv) that is consistent with the contacts flagged `active`. If contacts cannot be
+/// brought into place, `q` is where |e| was least, and `misplaced` lists these contacts. Throws std::invalid_argument
 /// for wrong sizes. Allocates; each step costs a solve. Thread-safe.
 ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
                                 const ConstVectorRef& v, const Options& options = {});
-/// Uses the contacts that are active in the scene.
+/// Calls make_consistent with the contacts that are active in the scene.
 ConsistentState make_consistent(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                 const Options& options = {});
 
 /// Makes q and v of a scene file with consistent="true" consistent, and adds a finding of kind "consistent" that states
-/// what moved. Throws InputError if contacts remain out of place or moving, or if a robot has no inertia there.
+/// what moved. Throws InputError if contacts remain out of place or moving, or if a robot's inertia is singular.
 void make_consistent(SceneFile& file);
 
 }  // namespace manycontact

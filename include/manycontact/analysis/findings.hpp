@@ -10,10 +10,10 @@
 
 namespace manycontact {
 
-/// Smaller placement errors are attributed to rounded numbers in files [m, rad].
+/// Placement errors below this are attributed to rounded numbers in files [m, rad].
 constexpr double kPlacementError = 1e-6;
 
-/// A contact whose frames A and B' are not where the contact requires them.
+/// A contact whose frame A is not where the contact requires it relative to its target frame B'.
 struct PlacementError {
   int contact = 0;
   double position = 0;  // m: |p_A - p_B'| along the constraint rows
@@ -28,7 +28,7 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const ConstVect
 /// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
 
-/// Smaller velocity errors are attributed to rounded numbers in files [m/s, rad/s].
+/// Velocity errors below this are attributed to rounded numbers in files [m/s, rad/s].
 constexpr double kVelocityError = 1e-6;
 
 /// A contact whose frames move relative to each other: J v is not zero, although the contact is bilateral.
@@ -50,11 +50,11 @@ std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
 /// Describes the unbalanced load: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
-/// Smaller rates of J v due to rotating rows are attributed to rounded numbers in files [m/s^2].
+/// Rates of J v due to rotating rows below this are attributed to rounded numbers in files [m/s^2].
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
-/// in world axes with a rotating B'. J a + a0 = 0, the acceleration of A seen from B', then does not keep J v constant.
+/// in world axes with a rotating frame B'. With J a + a0 = 0 (`solve`) the row velocity J v is then not constant.
 struct TurningRows {
   int contact = 0;
   double rate = 0;  // m/s^2: rate of J v in `solve` (J a + a0 = 0) with gains of zero
@@ -67,9 +67,9 @@ std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& 
 
 /// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
-/// "pulls", "slips", "tips", "turns".
+/// Returns the kind's name: "pulls", "slips", "tips", "turns".
 std::string to_string(ViolationKind kind);
-/// The unit of Violation::by: "N", "N", "m", "N m".
+/// Returns the unit of Violation::by for a kind: "N", "N", "m", "N m".
 std::string unit_of(ViolationKind kind);
 
 struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
@@ -81,7 +81,7 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 };
 
 /// Lists the active contacts with a mu whose forces f at q (scene.nq) no unilateral contact can exert, in the scene's
-/// order. f and f_offset are those of Solution. Let n be the force along the contact's normal, t the tangential force,
+/// order. f, f_offset: as in Solution. Let n be the force along the contact's normal, t the tangential force,
 /// and (c_x, c_y) = (-m_y, m_x) / n the centre of pressure in A's axes. With l, w the sides of the box:
 ///
 ///     pulls: n < 0    slips: |t| > mu n    tips: |c_x| > l / 2 or |c_y| > w / 2
@@ -92,45 +92,45 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
-/// Does the same, relative to given loads [N], one per robot, instead of the weights. In a step of semi-implicit Euler
-/// the loads include momenta divided by the step size.
+/// Lists violations as above, with given loads [N], one per robot, instead of the weights as scale of rounding errors.
+/// In a step of semi-implicit Euler the loads include momenta divided by the step size.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
 /// Returns the weights of the robots [N].
 Eigen::VectorXd robot_weights(const Scene& scene);
 
-/// Returns the normal and the tangential component [N] of a contact's linear force at q (scene.nq). f: its rows only.
+/// Returns normal and tangential component [N] of a contact's linear force at q (scene.nq). f: the contact's rows only.
 Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
 
 /// The quantities that have limits.
 enum class LimitKind { kPosition, kVelocity, kEffort };
-/// "position", "velocity", "effort".
+/// Returns the quantity's name: "position", "velocity", "effort".
 std::string to_string(LimitKind quantity);
 
 /// A coordinate that exceeds a limit of the robot's file.
 struct LimitPassed {
-  int robot = 0, dof = 0;  // one of that robot's velocity coordinates
+  int robot = 0, dof = 0;  // dof: index of a velocity coordinate of the robot
   LimitKind quantity = LimitKind::kPosition;
   double value = 0, limit = 0;
 };
 
 /// Lists exceeded limits at q (nq), v (nv), u (nu). Velocity or effort limits of 0 are ignored, as files use 0 for
-/// unknown. Equal lower and upper limits are limits. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// unknown. Equal lower and upper limits are tested too. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                        const ConstVectorRef& u);
 
-/// The deviation of a contact's acceleration from the required one: |J a + a0 + delta f| of linear and angular rows.
+/// The residual of a contact's acceleration equation: |J a + a0 + delta f|, with a0 the bias and delta the damping.
 struct Contradiction {
   int contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
 };
 
-/// Lists the contacts of inconsistent islands, the worst first. Those with less than 1e-8 of the worst residual are
-/// left out. Call it after solve; throws std::logic_error before.
+/// Lists the contacts of inconsistent islands, the worst first, without contacts that have less than 1e-8 of the worst
+/// residual. Throws std::logic_error before a solve.
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
-/// Finds the coordinates without joint-space inertia, armature included, of a robot at q (its nq): their pivots in the
-/// leaf-to-root elimination are rounding errors. Throws std::length_error for trees too deep for that inertia.
+/// Finds the coordinates of a robot at q (its nq) without inertia, armature included: their pivots in the leaf-to-root
+/// elimination are rounding errors. Throws std::length_error for trees too deep for a joint-space inertia.
 std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.

@@ -1,12 +1,12 @@
 #pragma once
 // Inverse kinematics of a scene: finds a configuration that meets goals, within the joints' limits. Let e be the errors
-// of the goals and J their derivatives, both times the square root of a goal's weight. `place` repeats
+// of the goals and J their derivatives, each goal scaled by the square root of its weight. `place` repeats
 //
 //     q := q (+) dq        min |J dq + e|^2 + mu |dq|^2        lower <= q + dq <= upper
 //
-// These are Gauss-Newton steps, damped by mu (Levenberg-Marquardt). For coordinates that are not at a limit, a step is
+// These are Gauss-Newton steps, damped by mu (Levenberg-Marquardt). A step of the coordinates not at a limit (J) is
 //
-//     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited
+//     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited      (limited: coordinates at a limit)
 //
 // where the matrix J J^T + mu 1 is sparse: two goals are coupled only if they are on one robot, or on robots that
 // contacts couple. Block pivoting finds the coordinates at a limit, and ends at the unique minimum of the step. Source:
@@ -15,10 +15,10 @@
 //
 // If these steps converge slowly because a large error remains, Newton steps replace them; the Hessian of |e|^2 is
 // applied by conjugate gradients. If |e| is stationary and not zero, the search continues from a point one millimetre
-// and one milliradian away, since straight knees and elbows, as in the neutral q, are saddle points.
+// and one milliradian away: straight knees and elbows, as in the neutral q, are saddle points of |e|.
 //
 // The errors of contradicting goals are distributed according to their weights. The result is a local minimum near the
-// start; `restarts` searches from other configurations.
+// start; with `restarts`, the search is repeated from other configurations.
 
 #include <array>
 #include <optional>
@@ -43,25 +43,25 @@ struct Goal {
 
   Attachment frame = {};              // kFrame, on a body that may move
   Partial position = {};              // kFrame, kCenterOfMass: x, y, z in the world [m]
-  std::vector<Attachment> from = {};  // if any: the position is relative to the mean of these frames' origins
+  std::vector<Attachment> from = {};  // not empty: position is relative to the mean of these frames' origins
   Partial rpy = {};  // kFrame: rotations of its axes about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all axes, in the world; rpy is then unused
-  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: its robot
+  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: the joint's robot
   int joint = -1;                         // kJoint: a revolute or prismatic joint
   double value = 0;                       // kJoint [rad, m]
   int contact = -1;                       // kContact: the contact to bring into place
 };
 
 /// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
-/// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Other incomplete
-/// angles are those of rpy, singular at a pitch of pi/2. frame: of a robot, from find_frame or attach.
+/// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Any other subset of
+/// angles is compared as rpy, which is singular at a pitch of pi/2. `frame`: made by find_frame or attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);
 /// A goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown robot.
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot = "", double weight = 1);
-/// A goal for the position of a one-coordinate joint [rad, m], "r0/knee". Throws std::invalid_argument for others.
+/// A goal for the position of a one-coordinate joint "r0/knee" [rad, m]. Throws std::invalid_argument for other joints.
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight = 1);
-/// A goal that a contact of the scene, active or not, is in place. Throws std::invalid_argument for an unknown name.
+/// A goal to bring a contact, active or not, into place. Throws std::invalid_argument for an unknown name.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
 
 struct GoalLeft {       // The remaining error of a goal.
@@ -71,8 +71,8 @@ struct GoalLeft {       // The remaining error of a goal.
 
 struct PlaceOptions {        // When the search ends, and from how many configurations it starts.
   int iterations = 1000;     // largest number of steps from each start; the search ends before if the error stays
-  double tolerance = 1e-12;  // a goal is met if every row of e, times the root of its weight, is below this or below
-                             // the rounding errors
+  double tolerance = 1e-12;  // a goal is met if every row of its error e, times the root of its weight, is below this
+                             // tolerance or below the rounding errors
   int restarts = 0;          // further starts while goals are not met: random joints within limits, bases as in q
   unsigned seed = 0;         // seed of the random starts
 };
@@ -93,7 +93,7 @@ PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector
                   const PlaceOptions& options = {});
 
 /// Computes the q required by the <pose> elements of a scene file, starting from the file's q. With consistent="true",
-/// it also brings active contacts into place whose B' is in the file; others are constrained at the placement found.
+/// active contacts whose target frame B' is in the file are brought into place; other contacts get B' from the q found.
 /// Adds a finding of kind "pose" that states what moved. Throws InputError for the worst pose that cannot be met.
 void place(SceneFile& file);
 

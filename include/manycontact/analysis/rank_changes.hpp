@@ -4,11 +4,11 @@
 // If B(z, y) = n^T dJ[z] y vanishes, the rank is locally constant to first order. Otherwise:
 //
 //     B(z, z) is not 0   The configuration is singular, as in a flat loop or a stretched leg. The dependent rows
-//                        constrain one motion more in its neighbourhood. The accelerations are valid for this
+//                        constrain one more motion at neighbouring q. The accelerations are valid for this
 //                        configuration alone, and no derivative exists.
 //     B(z, y) is not 0   for a motion y that violates the contacts. Rows are dependent only while loops are closed, as
 //                        in Bennett's and Bricard's mechanisms. The accelerations are valid for all reachable states.
-//                        Derivatives exist along these, but not across them.
+//                        Derivatives exist along reachable states, but not across them.
 //
 // B follows from the bias acceleration dJ[v] v of the constraint rows at the velocities v = z + y and v = z - y. Random
 // n, z and y detect a change unless B vanishes for all of them.
@@ -19,10 +19,10 @@
 
 namespace manycontact {
 
-struct RankChange {        // A change of rank of an island.
+struct RankChange {  // A change of rank of an island.
   std::size_t island = 0;
-  bool singular = false;   // true: along motions that the contacts allow; false: only along motions that violate them
-  int rank = 0, rows = 0;  // rank and number of the island's rows at q
+  bool singular = false;      // the rank changes along motions that the contacts allow (false: only along violations)
+  int rank = 0, rows = 0;     // rank and number of the island's rows at q
   std::vector<int> contacts;  // the contacts with dependent rows, ascending
   int coordinate = -1;  // the coordinate of v that the rows constrain most at neighbouring configurations but not here;
                         // -1: the island is too large

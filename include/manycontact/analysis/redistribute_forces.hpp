@@ -1,10 +1,10 @@
 #pragma once
-// Other contact forces for the same motion. If contacts are redundant, the forces f of a solve are one choice: every
+// Other contact forces for the same motion. If contacts are redundant, a solve's forces f are one choice: for any y
 //
 //     f + N y,    J^T N = 0,
 //
-// causes the same accelerations. The columns of N are a basis of the null space of J^T. These functions compute N, and
-// the forces closest to given ones. For conditions such as friction cones, find y with N in a quadratic program.
+// causes the same accelerations. The columns of N are a basis of the null space of J^T, with J the contact rows. These
+// functions compute N, and the forces closest to given forces. For friction cones, find y by a quadratic program.
 
 #include <Eigen/SparseCore>
 
@@ -12,9 +12,9 @@
 
 namespace manycontact {
 
-/// Computes an orthonormal basis N of the null space of J^T after a solve at q (scene.nq). N has data.f.size() rows and
-/// nc - rank columns per island; it is block diagonal by island. It has no columns for scenes with damping, which makes
-/// all forces unique, and for failed islands. Each column costs a few solves of the scene at rest. Allocates. Throws
+/// Computes an orthonormal basis N of the null space of J^T after a solve at q (nq). N has data.f.size() rows and, per
+/// island of nc rows, nc - rank columns with entries in its rows only. N has no columns for failed islands or with
+/// damping (unique forces). Each column costs a few solves of the scene at rest. Allocates. Throws
 /// std::logic_error before a solve, std::invalid_argument for a wrong size of q. Thread-safe for distinct data.
 Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 
@@ -22,10 +22,10 @@ Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVect
 ///
 ///     sum_i weights_i (f'_i - reference_i)^2
 ///
-/// after a solve at q (scene.nq). They cause the same accelerations as data.f, which remains unchanged. `reference`:
+/// after a solve at q (scene.nq). f' causes the same accelerations as data.f, which remains unchanged. `reference`:
 /// forces to come close to, in the order of data.f [N, N m]; empty means zero, the least norm in the metric of the
 /// weights. To move forces into friction cones, use forces along the contacts' normals, or alternate with projections
-/// onto the cones. `weights`: above 0; empty means ones. Rows of failed islands are NaN. Costs as force_null_space.
+/// onto the cones. `weights`: above 0; empty means ones. Rows of failed islands are NaN. Costs as much as the basis.
 ///
 /// Throws std::logic_error before a solve. Throws std::invalid_argument for wrong sizes, numbers that are not finite,
 /// and weights that are not above 0. Thread-safe for distinct data.

@@ -6,11 +6,11 @@
 
 namespace manycontact {
 
-/// Returns one or two sentences for an island's status and reason, which name the function to call or the attribute to
-/// set; empty for `ok`. Thread-safe.
+/// Returns advice on an island's status and reason in one or two sentences: the function to call or the attribute to
+/// set. Empty for `ok`. Thread-safe.
 std::string remedy(const IslandReport& report);
 
-/// Returns advice for the worst island: that of the scene's status, and of its reason if islands share the status.
+/// Returns the advice for the first island that has the scene's status, the worst of all islands.
 std::string remedy(const Report& report);
 
 }  // namespace manycontact

@@ -7,12 +7,12 @@
 namespace manycontact {
 
 /// Finds which contact forces are unique, and which are distributed arbitrarily among redundant contacts. Returns one
-/// flag per row of data.f. It is 1 if every f with the same J^T f has this component, 0 if the null space of J^T has a
-/// component there or there is no solution. A door on two ball joints has unique horizontal forces, but the
-/// distribution of its weight is not unique.
+/// flag per row of data.f. The flag is 1 if all f with the same J^T f agree in this row. It is 0 if a vector of the
+/// null space of J^T is not zero in this row, or if there is no solution. A door on two ball joints has unique
+/// horizontal forces, but the distribution of its weight is not unique.
 ///
-/// The norm adds squares of newtons and newton metres, weighted by Scene::moment_length. Other weights change the
-/// least-norm forces, but not the unique ones. To choose other forces, see analysis/redistribute_forces.hpp.
+/// The norm of forces adds N and N m by Scene::moment_length; it does not influence the unique forces. To choose other
+/// forces, see analysis/redistribute_forces.hpp.
 ///
 /// Call it after solve at q (nq). With damping every force is unique. Otherwise random vectors w are projected on the
 /// null space of J^T, by solves of the scene at rest: the projection is w - J x with the least |J x - w|. Component i

@@ -5,7 +5,7 @@
 
 namespace manycontact {
 
-/// An error in an input file, and what was expected. what() is "FILE:LINE: message", on one line for any input.
+/// An error in an input file, with the expected content. what() is "FILE:LINE: message", always on one line.
 struct InputError : std::runtime_error {
   InputError(std::string file_, int line_, const std::string& message_);  // line breaks become blanks
 

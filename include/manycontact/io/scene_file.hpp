@@ -13,22 +13,22 @@ namespace manycontact {
 /// One <robot> element: a robot, or its copies. Copies are consecutive in the scene and share one model.
 struct RobotGroup {
   std::string name;     // name in the file; copies are called name0, name1, ...
-  std::string urdf;     // path of its file
-  bool copied = false;  // whether it has a `copies` attribute
+  std::string urdf;     // path of the robot's URDF file
+  bool copied = false;  // whether the element has a `copies` attribute
   int first = 0, count = 1;
   int line = 1;
 };
 
 /// One <contact> element: a contact, or its copies. Copies are consecutive in the scene.
 struct ContactGroup {
-  std::string name;  // name in the file; copies are called name0, name1, ... after the copy of frame A's robot
+  std::string name;  // name in the file; copies are called name0, name1, ..., numbered as the copies of A's robot
   bool copied = false;
   int first = 0, count = 1;  // count is 0 if no copy has the requested target
   int line = 1;
 };
 
-/// A <pose> element, or that of one copy: the required placement of a frame, or of a robot's centre of mass, in the
-/// world [m, rad]. Angles are those of rpy. Missing components are open.
+/// A <pose> element, for one copy of its robot: the required placement of a frame, or of a robot's centre of mass, in
+/// the world [m, rad]. Angles are those of rpy. Missing components are open.
 struct ScenePose {
   std::string name;  // "robot/link", or the robot's name
   Attachment frame;
@@ -38,7 +38,7 @@ struct ScenePose {
   int line = 1;
 };
 
-/// A contact whose B' is missing in the file, at least in part. The missing part is computed from q.
+/// A contact whose target frame B' is missing in the file, at least in part. The missing part is computed from q.
 struct OpenReference {
   int contact = 0;
   bool position = false, orientation = false;  // whether this part is missing
@@ -63,10 +63,10 @@ struct SceneFile {  // A scene, its state, and the elements of the file that def
 };
 
 /// Reads a scene file. Missing references of contacts are computed from q. The torques u of gravity_robots are NaN. q
-/// and v are those of the file, even if it requests poses or a consistent state: load_scene (analysis/load_scene.hpp)
-/// computes these. Throws InputError. Thread-safe.
+/// and v are those of the file. load_scene (analysis/load_scene.hpp) also computes the poses or the consistent state
+/// that a file requests. Throws InputError. Thread-safe.
 SceneFile read_scene(const std::string& path);
-/// Does the same for UTF-8 XML text, whatever encoding it declares, as if from a file `path`, which need not exist.
+/// Reads UTF-8 XML text as read_scene reads a file at `path`, which need not exist. A declared encoding is ignored.
 SceneFile read_scene_text(const std::string& text, const std::string& path);
 
 }  // namespace manycontact

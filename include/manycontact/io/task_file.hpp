@@ -1,5 +1,5 @@
 #pragma once
-// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem of it.
+// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem from the task.
 
 #include <string>
 #include <vector>
@@ -27,52 +27,52 @@ enum class TaskResidual {
   kControlGrav,
   kContactControlGrav,
 };
-/// Whether a residual depends on neither controls, accelerations nor forces. Only such residuals are allowed in
-/// terminal nodes and impacts.
+/// Whether a residual depends on the state alone, without controls, accelerations and forces. Terminal nodes and
+/// impacts allow only such residuals.
 bool of_state_alone(TaskResidual residual);
-/// The name in task files: "frame_placement".
+/// Returns the residual's name in task files: "frame_placement".
 const char* to_string(TaskResidual residual);
 
 /// The activation of a cost. By default, cones have a barrier at their own bounds.
 enum class TaskActivation { kQuad, kWeightedQuad, kQuadraticBarrier, kWeightedQuadraticBarrier, kSmooth1Norm };
 
-/// One <cost> or <constraint>. Only the numbers that the residual uses are set, for one copy of the robot or contact.
+/// One <cost> or <constraint>. Only members that its residual uses are set; vectors are for one robot or contact.
 struct TaskTerm {
   std::string name;
   int line = 1;
   TaskResidual residual = TaskResidual::kState;
-  int nr = 0;  // number of rows, of one copy
+  int nr = 0;  // number of rows for one robot or contact
 
   /// The robots, a frame on each of these robots, or the contacts that the term refers to. No robot: the whole scene.
   std::vector<int> robots, contacts;
-  bool copied = false;  // whether it applies to all copies; placements are those of the robot before `arrange` moved it
+  bool copied = false;  // the term applies to all copies; placements are then relative to a copy before `arrange`
   std::string frame;    // name of the frame on each of the robots
 
   Eigen::VectorXd reference;     // state (nq + nv), control, efforts, accelerations, com, momentum, twist, force
-  std::vector<ScenePose> poses;  // used with reference="pose": the reference is a configuration of the whole
-                                 // scene, at rest, that meets these poses; fit_state (analysis/load_scene.hpp) finds it
+  std::vector<ScenePose> poses;  // for reference="pose": the reference is a configuration of the scene at rest
+                                 // with these poses, which fit_state (analysis/load_scene.hpp) computes
   SE3<double> placement;         // xyz, quat_xyzw
   ReferenceFrame reference_frame = ReferenceFrame::kLocal;
   double mu = 0;
-  std::optional<Vec3<double>> normal;  // normal of a cone, as Contact::normal; none: that of the contact
+  std::optional<Vec3<double>> normal;  // normal of a cone, as Contact::normal; none: the contact's normal
   Eigen::Vector2d box{0, 0};
 
   double weight = 1;
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr numbers, for weighted activations
   double eps = 1;           // parameter of kSmooth1Norm
-  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: those of the cone.
+  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: the bounds of the cone.
   Eigen::VectorXd lower, upper;
 };
 
 /// A phase, or the terminal node, whose contacts are those of the last phase.
 struct TaskPhase {
   int line = 1;
-  int nodes = 0;                     // number of nodes, not counting that of an impact
-  bool impact = false;               // before the nodes: contacts stop the velocity of their frames at once
-  bool at_scene = false;             // whether contacts that close do so at their placement in the scene; false: where
-                                     // their frames are at that time
-  std::vector<bool> active;          // one flag per contact of the scene
+  int nodes = 0;                       // number of nodes, not counting the impact's node
+  bool impact = false;                 // starts with an impact: contacts stop the velocity of their frames at once
+  bool at_scene = false;               // contacts that close have the placement of the scene; false: the placement of
+                                       // their frames when they close
+  std::vector<bool> active;            // one flag per contact of the scene
   std::vector<Vec6<double>> wrenches;  // external wrenches in these nodes, as in SceneData; empty: the scene's
   std::vector<TaskTerm> costs, constraints;
 };
@@ -81,7 +81,7 @@ struct TaskPhase {
 enum class TaskIntegrator { kEuler, kRk2, kRk3, kRk4, kSymplectic };
 /// The solver of a task.
 enum class TaskSolver { kFddp, kBoxFddp, kSparse, kAuto };
-/// The name in task files and on the command line: "box-fddp".
+/// Returns the solver's name in task files and on the command line: "box-fddp".
 const char* to_string(TaskSolver solver);
 /// The initial guess of the controls.
 enum class TaskGuess { kQuasiStatic, kZero };

@@ -1,6 +1,6 @@
 #pragma once
 // Reads a robot from a URDF file. Fixed and locked joints are merged into the parent's body; every link remains
-// available as a frame. Joints are numbered depth first from the root, those of a link in byte order of their names.
+// available as a frame. Joints are numbered depth first from the root, and by byte order of names below one link.
 // Masses and inertias are checked per merged body. Bodies merged into a fixed root link are left out.
 //
 // Questionable but usable input is accepted and reported as findings:
@@ -30,9 +30,9 @@ struct UrdfOptions {           // Properties of a robot that are not in its file
   std::map<std::string, double> locked = {};
   bool refuse_mimic = false;           // a moving joint with <mimic> is an InputError
   std::set<std::string> passive = {};  // joints without torques: Joint::actuated is false
-  bool model_dynamics = false;  // whether <dynamics> sets Model::damping and friction; otherwise it is only noted
+  bool model_dynamics = false;  // whether <dynamics> sets Model::damping and friction; false: it is only a finding
   bool refuse_inertia = false;  // principal moments that violate the triangle inequality are an InputError;
-                                // otherwise they are only noted
+                                // false: they are only a finding
   std::set<std::string> actuated = {};  // floating joints of the file with torques in u; by default they have none
   std::map<std::string, double> joint_damping = {};  // overrides <dynamics>; joints with one coordinate only
   /// If not empty, the link that replaces the file's root: it is moved by the floating base, or fixed to the world.
@@ -42,7 +42,7 @@ struct UrdfOptions {           // Properties of a robot that are not in its file
   bool operator==(const UrdfOptions&) const = default;
 };
 
-/// Thrown if the options do not fit the robot: `joint` is unknown or fixed, or has several coordinates, ...
+/// Thrown if the options do not fit the robot, for example if `joint` is unknown or fixed.
 struct UrdfOptionError : std::invalid_argument {
   /// Makes an error with what() == message.
   UrdfOptionError(std::string joint_, bool lock_, const std::string& message)
@@ -51,10 +51,10 @@ struct UrdfOptionError : std::invalid_argument {
   bool lock;  // whether the error is in UrdfOptions::locked
 };
 
-/// Reads and finalizes a model. Limits are infinite if the file has no effective ones; a lower or upper bound that
-/// <limit> leaves out is 0, as URDF defines. `findings`, unless null, receives questionable input, in the order of
-/// lines. The order of q is that of the joints (see above). Throws InputError if nothing can be computed from the file
-/// (no tree, no numbers, negative masses or moments after merging), and UrdfOptionError. Thread-safe.
+/// Reads and finalizes a model. Missing or ignored limits are infinite; a lower or upper bound that <limit> leaves out
+/// is 0, as URDF defines. `findings`, unless null, receives questionable input, in the order of lines. Coordinates of q
+/// have the order of the joints. Throws InputError if nothing can be computed from the file (no tree, no numbers,
+/// negative masses or moments after merging), and UrdfOptionError. Thread-safe.
 Model load_urdf(const std::string& path, const UrdfOptions& options = {}, std::vector<Finding>* findings = nullptr);
 
 }  // namespace manycontact

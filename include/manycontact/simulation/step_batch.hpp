@@ -13,7 +13,7 @@
 
 namespace manycontact {
 
-/// Simulations of one scene, of which only the numbers may change. Only one batch function may use them at a time.
+/// Simulations of one scene. Numbers in the scene may change, its structure must not. Do not use it in two threads.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
   /// takes OpenMP's number. Throws std::invalid_argument for a wrong size or number of threads, or an h that is not
@@ -23,10 +23,10 @@ struct SimulationBatch {
 
   // These members are set by the caller, between steps, and apply to all states.
   std::vector<char> active;            // one flag per contact; initially as in the scene. A change causes no impact
-  std::vector<Vec6<double>> wrenches;  // one wrench per external wrench of the scene; initially as there [N, N m]
-  double velocity_limit = 1e5;       // m/s, rad/s; a faster state is kTooFast
-  Eigen::VectorXd kp, kd;            // gains of PD laws as in PdLaws (nv), or empty
-  BatchMatrix q_ref, v_ref;          // references of the PD laws, one row per state (nv columns)
+  std::vector<Vec6<double>> wrenches;  // one per external wrench of the scene; initially the scene's [N, N m]
+  double velocity_limit = 1e5;         // m/s, rad/s; a faster state is kTooFast
+  Eigen::VectorXd kp, kd;              // gains of PD laws as in PdLaws (nv), or empty
+  BatchMatrix q_ref, v_ref;            // references of the PD laws, one row per state (nv columns)
 
   // These members are set by step_batch, one row or entry per state.
   BatchMatrix q, v;                // the states; set_state changes them
@@ -38,12 +38,12 @@ struct SimulationBatch {
   std::shared_ptr<Work> work;
 };
 
-/// Makes `steps` steps of every state with torques u (nu columns, one row per state). If a step is not kOk, its state
-/// remains unchanged and its other steps are not made; other states continue. Throws std::invalid_argument for wrong
-/// sizes, before anything is computed. While it runs, OpenBLAS is limited to one thread in the whole program.
+/// Makes `steps` steps of every state with torques u (nu columns, one row per state). A state whose step is not kOk
+/// remains as before that step and makes no further steps; other states continue. Throws std::invalid_argument for
+/// wrong sizes, before anything is computed. During the call, OpenBLAS is limited to one thread in the whole program.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
-/// Continues only state k from q (nq), v (nv). Throws std::invalid_argument for a wrong size or number.
+/// Replaces state k by q (nq), v (nv); other states remain. Throws std::invalid_argument for a wrong size or number.
 void set_state(const Scene& scene, Eigen::Index k, const ConstVectorRef& q, const ConstVectorRef& v,
                SimulationBatch& batch);
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// The data of a run in one process. `part` is the whole scene unless the processes split the islands.
+/// The data of a run in one process. `part`: this process's islands, or the whole scene if states are split instead.
 struct BatchRun {
   ScenePart part;
   std::string name;
@@ -35,7 +35,7 @@ struct BatchRun {
   std::int64_t derivative_cols() const { return 2 * std::int64_t{part.nv} + part.nu; }
 };
 
-/// One block of states. `in` and `out` have the coordinates of the whole scene, the others those of the part.
+/// One block of states. `in` and `out` have the coordinates of the whole scene; other members those of the part.
 struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
@@ -62,7 +62,7 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// Returns the number of states per block: what fits in 64 MB, 1 to 4096, and at least four blocks per process.
+// Returns the number of states per block: at most 64 MB, 1 to 4096 states, and at least four blocks per process.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());
@@ -109,7 +109,7 @@ BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
   return run;
 }
 
-// Writes the part's rows of the derivatives at states first, first+1, ... into those of the whole scene.
+// Writes the part's rows of the derivatives at states first, first+1, ... into the file of the whole scene's rows.
 void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
@@ -137,7 +137,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   }
 }
 
-// Writes the part's solutions at states first, ..., first+n-1, to b.out and the file of derivatives.
+// Solves the part at states first, ..., first+n-1. Writes solutions to b.out, derivatives to their file.
 void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
@@ -225,8 +225,8 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  communicator.sum(counts);      // waits for all processes
-  if (communicator.rank() == 0)  // solutions last: if they are complete, the derivatives are too
+  communicator.sum(counts);      // also waits for all processes
+  if (communicator.rank() == 0)  // the file of solutions comes last: if it exists, that of derivatives is complete
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();
   if (communicator.rank() == 0) print_summary(run, counts);

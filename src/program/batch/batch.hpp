@@ -8,14 +8,14 @@
 
 namespace manycontact::cli {
 
-/// The communication of a run in one process; in several: mpi_main.cpp. All processes make the same calls in order.
+/// Communication between the processes of a run (mpi_main.cpp overrides it). All processes must make equal calls.
 class Communicator {
  public:
   virtual ~Communicator() = default;
   virtual int rank() const { return 0; }
   virtual int size() const { return 1; }
 
-  /// Waits for all processes. If some have errors, the first of these throws its error, and the others end silently.
+  /// Waits for all processes. If some have errors, the first such process throws its error; others end silently.
   virtual void agree(std::exception_ptr error) {
     if (error) std::rethrow_exception(error);
   }
@@ -27,7 +27,7 @@ class Communicator {
   virtual std::string told(const std::string& text) { return text; }
   /// Sums over all processes; every process gets the sums.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
-  /// collect: rank 0 gets numbers that are zero in all processes but one. largest: rank 0 gets the largest entries.
+  /// collect: rank 0 gets each number from the only process where it is not zero. largest: rank 0 gets the maxima.
   virtual void collect(double* numbers, std::int64_t count) { (void)numbers, (void)count; }
   virtual void largest(std::vector<int>& numbers) { (void)numbers; }
 };

@@ -35,7 +35,7 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// An output file that several processes may write: one creates it, the others join with its temporary name.
+/// An output file that several processes may write: one calls create(), the others join() with the temporary name.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);

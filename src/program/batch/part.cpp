@@ -24,7 +24,7 @@ struct Members {
 Members members_of(const Scene& scene, const std::vector<Island>& islands, int number, int parts) {
   std::int64_t total = 0, before = 0;
   for (const Island& island : islands) total += island.size();
-  // a contact needs both its robots in the part, even one with a fixed base that it does not couple
+  // both robots of a contact must be in one part, also a robot whose fixed base the contact acts on
   const int count = static_cast<int>(islands.size());
   std::vector<int> memory(count), island_of(scene.robots.size()), part(count);
   sparse::UnionFind neighbours(memory);
@@ -37,7 +37,7 @@ Members members_of(const Scene& scene, const std::vector<Island>& islands, int n
   Members out;
   for (int i = 0; i < count; ++i) {
     const Island& island = islands[i];
-    // the part that contains the island's middle; islands that must stay together follow the root of their set
+    // an island is in the part that contains its middle; coupled islands are in the part of their set's root
     const std::int64_t middle = 2 * before + island.size();
     part[i] = total > 0 ? static_cast<int>(std::min<std::int64_t>(middle * parts / (2 * total), parts - 1)) : -1;
     part[i] = part[neighbours.root(i)];

@@ -12,23 +12,23 @@
 
 namespace manycontact::cli {
 
-/// Dampings that are tried instead of the scene's.
+/// Dampings that the chart tries in addition to the scene's own damping.
 inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
-  double seconds = 16;  // time for repeats
+  double seconds = 16;  // s: total time of repeated measurements of a scene
   double longest = 20;  // seconds: a call that would take roughly longer is skipped
 };
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
-/// Significant digits of times and errors. A chart contains rounded numbers: results that differ by rounding errors
-/// alone are equal, and the Pareto front is that of the rounded numbers.
+/// Significant digits of times and errors in a chart. Rounding makes results equal that differ by rounding errors, and
+/// the Pareto front is computed from the rounded numbers.
 inline constexpr int kDigits = 6;
 double as_written(double x);
 
-/// One mark on the chart. Errors are relative, in the maximum norm, the worst over robots (and blocks of derivatives).
-/// They are differences from a solution of the scene in quadruple precision, and missing if there is none.
+/// One mark on the chart. Errors are relative to a solution of the scene in quadruple precision, in the maximum norm,
+/// the worst over robots (and blocks of derivatives). They are missing if there is no such solution.
 struct ChartRow {
   Method method = Method::kAuto;
   std::optional<Order> order;
@@ -36,15 +36,15 @@ struct ChartRow {
   bool guessed = false;  // the damping is not the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;  // last solve's status; regularised if the damping is guessed and there is a solution
-  std::string answered_by;      // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
-  std::string fallback;         // why another method was used, in the first such island
-  std::optional<double> time;   // time of a solve, us
+  Status status = Status::kOk;             // last solve's status; kRegularised if it succeeded with a guessed damping
+  std::string answered_by;                 // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
+  std::string fallback;                    // why the first island with another method than `method` used it
+  std::optional<double> time;              // time of a solve, us
   std::optional<double> time_derivatives;  // us
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
-  /// "none", or the damping: "1e-6".
+  /// Returns the damping as text, "1e-6", or "none" for 0.
   std::string regularisation() const;
 };
 
@@ -53,7 +53,7 @@ struct Chart {
                              // contact rows, 1 island"
   std::string picture;       // file name, without ending
   std::vector<ChartRow> rows;
-  double allowed = 0;  // allowed error of values: max(1e-12, 100 eps condition); of derivatives: ten times that
+  double allowed = 0;  // allowed error of a and f: max(1e-12, 100 eps condition); derivatives: ten times `allowed`
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors
 };
@@ -70,13 +70,13 @@ struct Candidate {
   std::unique_ptr<SceneData> data;
 };
 
-/// Returns the rows of all methods, each with all its orders, with the scene's damping and the guessed ones.
+/// Returns a row for every method, order, and damping: the scene's and the guessed dampings.
 std::vector<ChartRow> list_rows(const Scene& scene);
 
-/// Fills times: medians over rounds. Each round measures every candidate once, so that changes of the machine's speed
-/// affect all of them; slow ones are left out of later rounds.
+/// Sets the rows' times: medians over rounds. Each round measures every candidate once, so that changes of the
+/// machine's speed affect all candidates. Slow candidates are left out of later rounds.
 void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
-/// Call it after measure_solve. `first` is called once per candidate while its derivatives are available.
+/// Measures derivatives after measure_solve. Calls `first` once per candidate while its derivatives are available.
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
@@ -87,7 +87,7 @@ void progress(const std::string& text);
 
 /// Writes chart.csv. Throws InputError if it cannot be written, as write_json.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including those without a chart.
+/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including scenes without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 
 }  // namespace manycontact::cli

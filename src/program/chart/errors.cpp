@@ -38,8 +38,8 @@ Scales scales_of(const Scene& scene, const SceneData& data, const ChartTruth& tr
   return out;
 }
 
-// Returns the largest error of an island's derivatives. Errors of a block that is exactly zero are relative to the
-// robot's other derivatives, since its finite differences are noise below 1e-20 of those.
+// Returns the largest error of an island's derivatives. If a block is exactly zero, its finite differences are noise
+// below 1e-20 of the robot's other derivatives; its errors are then relative to these other derivatives.
 double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const Scales& scales,
                     const Eigen::MatrixXd& answer) {
   double error = 0;
@@ -62,7 +62,7 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of an island's rows [a; f] and columns [q | v | u] in the solution's island: itself, or the whole scene.
+// Indices of an island's rows [a; f] and columns [q | v | u] in a panel: of this island, or of the whole scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

@@ -15,11 +15,11 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-constexpr double kTurn = 200;        // us of repeated calls of one candidate per round; at least one call
-constexpr double kNoWarmUp = 300e3;  // us: a first call that takes longer is the measurement, without warm-up
+constexpr double kTurn = 200;        // us per round and candidate, in which calls are repeated; at least one call
+constexpr double kNoWarmUp = 300e3;  // us: if the first call takes longer, its time counts, without warm-up
 constexpr double kLarge = 4e6;       // bytes: larger derivatives are released between rounds
 
-// Measures one round: a call to warm up, then the median of calls.
+// Returns the time of one round: a call to warm up, then the median of repeated calls.
 template <class Call>
 double take_turn(Call&& call) {
   const double first = time_of(call);
@@ -33,8 +33,8 @@ double take_turn(Call&& call) {
   return median(std::move(times));
 }
 
-// Runs rounds in which each of `n` candidates is measured once, in random order, within its share of the time; turn(i)
-// returns a time. A candidate that throws (CHOLMOD out of memory) has no time, and the others continue.
+// Runs rounds in which turn(i) measures each of `n` candidates once, in random order, within its share of `seconds`. A
+// candidate that throws (CHOLMOD out of memory) gets no time; other candidates continue.
 template <class Turn>
 std::vector<std::optional<double>> median_times(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
   std::vector<std::vector<double>> times(n);
@@ -94,7 +94,7 @@ void note_status(const Candidate& c) {
     if (reports[i].status != Status::kFailed) row.fallback = why_changed(chosen_method(*c.data, i), reports[i]);
 }
 
-// Releases large derivatives, since those of fifty candidates would not fit into memory together.
+// Releases large derivatives: the derivatives of fifty candidates together would not fit into memory.
 void release_large(SceneData& data) {
   double bytes = 0;
   for (const IslandDerivatives& d : derivatives(data).islands) bytes += 8.0 * static_cast<double>(d.X.size());

@@ -13,10 +13,10 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kWholeUpTo = 60;    // dof: up to this number, derivatives are computed along all unit vectors,
-constexpr int kDirections = 4;    // beyond it along as many random directions in each of q, v and u
-constexpr int kDenseSize = 150;   // largest number of unknowns of the dense solver, used if there is no sparse factor
-constexpr double kAtRest = 1e-4;  // smaller accelerations, relative to those without contacts, count as zero
+constexpr int kWholeUpTo = 60;    // largest nv of an island with derivatives along all unit vectors
+constexpr int kDirections = 4;    // number of random directions in each of q, v and u for larger islands
+constexpr int kDenseSize = 150;   // most unknowns for which the dense solver replaces a missing sparse factor
+constexpr double kAtRest = 1e-4;  // accelerations below this share of those without contacts count as zero
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   if (whole) return Eigen::MatrixXd::Identity(n, n);
@@ -56,7 +56,7 @@ Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const Ve
   return refine_truth<Quad>(scene, data, q, v, u, kDenseSize);
 }
 
-// Computes central differences, along the k-th directions of all islands at once, since islands are independent.
+// Computes derivatives by central differences. Islands are independent: pass k is along direction k of all islands.
 void differences(const SceneFile& file, SceneData& data, const std::vector<Places>& places, ChartTruth& truth) {
   const Quad h = Quad(1) / Quad(10000000000LL);
   int most = 0;

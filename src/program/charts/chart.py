@@ -2,7 +2,7 @@
 
     chart.py DIR [FIRST]
 
-DIR/chart.json has what was measured; FIRST is the first chart to draw and to describe, by default 0.
+DIR/chart.json has the measured numbers; FIRST is the index of the first chart to draw and to describe, by default 0.
 """
 
 import json
@@ -14,13 +14,13 @@ import textwrap
 import drawing
 from drawing import number, plain, plt, printable, scientific
 
-LEAST, MOST = 1e-17, 1e9  # errors beyond are drawn there
-BAND = 0.13  # of a panel's height: for failures
+LEAST, MOST = 1e-17, 1e9  # smaller and larger errors are drawn at these values
+BAND = 0.13  # share of a panel's height for the band of failures
 ERRORS = ("error_acceleration", "error_forces", "error_derivatives")
 PANELS = ("Accelerations", "Contact forces", "Derivatives")
 # Okabe and Ito's colours, then Tol's; auto is black.
 COLOURS = ("#CC79A7", "#E69F00", "#0072B2", "#009E73", "#D55E00", "#56B4E9", "#882255", "#999933", "#44AA99", "#AA4499")
-MARKERS = "o^sDvp"  # a circle where there is no order to choose
+MARKERS = "o^sDvp"  # one per order; the circle is for methods without an order
 
 
 # ---- rows ----------------------------------------------------------------------------------------------------------------
@@ -31,7 +31,7 @@ def answered(row):
 
 
 def time_of(row, panel):
-    """Returns the time of the panel, 0 and 1: of a solve, 2: with derivatives; None if it was not measured."""
+    """Returns the time that a panel shows: of a solve (0, 1), or of solve and derivatives (2); None: not measured."""
     solve, derivatives = row["time_us"], row["time_derivatives_us"]
     if panel < 2 or solve is None:
         return solve
@@ -39,7 +39,7 @@ def time_of(row, panel):
 
 
 def drawn(row, panel):
-    """Whether there is a solution, its time and its error; otherwise the mark is in the band of failures."""
+    """Whether a row has a solution with time and error. The marks of other rows are in the band of failures."""
     return answered(row) and time_of(row, panel) is not None and row[ERRORS[panel]] is not None
 
 
@@ -48,7 +48,7 @@ def point(row, panel):
 
 
 def front(rows, panel):
-    """Returns the rows that no other one dominates, by time ascending."""
+    """Returns the rows that no other row dominates in time and error, sorted by time."""
     found = []
     for row in sorted((r for r in rows if drawn(r, panel)), key=lambda r: point(r, panel)):
         last = point(found[-1], panel) if found else None
@@ -108,7 +108,7 @@ def median(values):
 
 
 def what_damping_costs(chart):
-    """Returns medians over methods of the errors that a guessed damping brings."""
+    """Returns, for each guessed damping, the median over methods of the errors with it."""
     rows = [r for r in chart["rows"] if r["guessed"] and answered(r)]
     parts = []
     for damping in sorted({r["regularisation"] for r in rows}, key=float):
@@ -222,7 +222,7 @@ def set_ticks(axes, f):
 
 
 def write_levels(axes, rows, panel, f):
-    """Names the dampings where their errors are, at the right; close ones share a line."""
+    """Writes the dampings at the right, at the height of their errors; dampings with close errors share a line."""
     errors = {}
     for row in rows:
         if drawn(row, panel):

@@ -1,4 +1,4 @@
-"""What the scripts of this folder share: numbers as the program prints them, the machine, files that are written whole, and matplotlib.
+"""Shared functions of the scripts in this folder: numbers as the program prints them, the machine, atomic writing of files, matplotlib.
 
 A script ends with the status CANNOT_WRITE where a file cannot be written, and prints its name and the reason. The program reports them.
 """
@@ -62,7 +62,7 @@ def printable(text):
 
 
 def publish(target, data):
-    """Writes a file under another name and renames it when it is whole; devices and pipes are written directly."""
+    """Writes a file under another name and renames it when it is complete; devices and pipes are written directly."""
     there = os.path.exists(target)
     if there and not os.path.isfile(target):
         with open(target, "wb") as file:
@@ -102,7 +102,7 @@ def save(figure, base):
 
 
 def plain(text):
-    """Returns the text for matplotlib, which takes what is between dollars for mathematics."""
+    """Escapes dollar signs for matplotlib, which reads text between dollars as mathematics."""
     return printable(text).replace("$", r"\$")
 
 

@@ -83,12 +83,12 @@ def draw_torques(motion, base):
 
 
 def with_cones(contacts):
-    """Returns the contacts with a friction coefficient, or all if none has one: those without may have any ratio."""
+    """Returns the contacts with a friction coefficient, or all contacts if none has a coefficient."""
     return [c for c in contacts if c.get("mu") is not None] or contacts
 
 
 def draw_forces(motion, base):
-    """Draws, per contact, the normal force, and tangential over normal; the latter up to twice the smallest cone."""
+    """Draws per contact the normal force, and the ratio of tangential to normal force up to twice the smallest cone."""
     pressing = sorted((c for c in motion["contacts"] if largest(c["normal"]) > 0), key=lambda c: -largest(c["normal"]))
     contacts = pressing[:MOST_CURVES]
     if not contacts:

@@ -16,7 +16,7 @@ FILLS = "#2864b4", "#e08214", "#a3a8ae", "#2a9d5c"
 SIDE, TOP, LEFT, GAP, STRIP, BOTTOM = 460, 96, 150, 130, 7, 92
 RIGHT = LEFT + SIDE + GAP  # left edge of L
 WIDTH, HEIGHT = RIGHT + SIDE + 40, TOP + SIDE + BOTTOM
-LABEL, LONGEST = 12, 20  # height of a name, and its most characters
+LABEL, LONGEST = 12, 20  # height of a name in the picture, and the most characters of a name
 
 
 def escaped(text):
@@ -28,7 +28,7 @@ def six(x):
 
 
 class Grid:
-    """A square pattern of n rows, seen through cells."""
+    """A square pattern of n rows, drawn as a grid of cells."""
 
     def __init__(self, n):
         self.n, self.cells = n, min(n, MOST)
@@ -65,7 +65,7 @@ def columns(matrix):
 
 
 def fill_K(island, pattern, damping, grid):
-    """Adds both triangles; contact rows have a diagonal only where the damping puts one. Returns the number of entries."""
+    """Adds both triangles of K; contact rows have a diagonal only with damping. Returns the number of entries."""
     nonzeros, perm, nv, at = 0, pattern["perm"], pattern["nv"], island["rows"]
     for row, col in columns(pattern["K"]):
         i, j = perm[row], perm[col]
@@ -81,7 +81,7 @@ def fill_K(island, pattern, damping, grid):
 
 
 def fill_L(pattern, damping, offset, grid):
-    """Adds an island after the ones before it, in its order; what is not in K is fill. Returns the number of entries."""
+    """Adds an island's L in its elimination order, from row `offset` on. Entries not in K are fill. Returns the number of entries."""
     perm, nv = pattern["perm"], pattern["nv"]
     in_K = set(columns(pattern["K"]))
     for k, i in enumerate(perm):
@@ -93,7 +93,7 @@ def fill_L(pattern, damping, offset, grid):
 
 
 def shortened(texts):
-    """Leaves out the middles of long names. They are a little longer if two different ones would become the same."""
+    """Leaves out the middles of long names, but not so much that two different names become equal."""
     for widest in range(LONGEST, max(map(len, texts), default=0)):
         back = (widest - 2) // 2
         out = [text if len(text) <= widest else text[: widest - 2 - back] + ".." + text[len(text) - back :] for text in texts]
@@ -115,7 +115,7 @@ def box(x, y, width, height, fill):
 
 
 def blocks_of(scene):
-    """Yields name, first row and size of the blocks of K: robots, copies as one where their names would overlap, then contacts."""
+    """Yields name, first row and size of the blocks of K: robots (copies combined if names would overlap), then contacts."""
     for robot in scene["robots"]:
         names, nv, first = robot["names"], robot["nv"], robot["first"]
         if SIDE * nv / max(1, scene["nv"]) >= LABEL or len(names) == 1:

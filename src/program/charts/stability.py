@@ -2,7 +2,7 @@
 
     stability.py DIR
 
-DIR has drift.csv and energy.csv, and in stability.json what is not in them.
+DIR has drift.csv, energy.csv, and stability.json with the other data of the charts.
 """
 
 import csv
@@ -36,7 +36,7 @@ def mark_height(choice):
 
 
 def draw_curve(axes, rows, colour, mark, **style):
-    """Draws a curve through the runs that kept the contacts, and marks those that lost them."""
+    """Draws a curve through the runs that kept the contacts, and marks the runs that lost the contacts."""
     drift = [float(r["largest_violation_position"]) if not r["stopped"] else TOP for r in rows]
     steps = [float(r["step_s"]) for r in rows]
     axes.plot(steps, [max(d, BOTTOM) if d < TOP else math.nan for d in drift], "o-", markersize=3, color=colour, **style)

@@ -16,14 +16,14 @@ struct UsageError : std::runtime_error {
 
 struct Option {
   std::string name;   // the name with its dashes
-  std::string value;  // the placeholder of its value in the usage, empty for a flag
+  std::string value;  // the placeholder of the option's value in the usage; empty for a flag
   std::string help;
   bool required = false;  // shown in the usage; the command itself refuses to run without it
 };
 
 class Arguments {
  public:
-  /// Parses `words`: "--name value" or "--name=value" for the options given, "--" ends them. Throws UsageError.
+  /// Parses `words`: "--name value" or "--name=value" for `options`; "--" ends the options. Throws UsageError.
   Arguments(const std::vector<Option>& options, const std::vector<std::string>& words);
 
   bool has(const std::string& option) const { return value(option).has_value(); }
@@ -33,7 +33,7 @@ class Arguments {
   std::string required(const std::string& option) const;
   /// Returns the value as a whole number from `least` to `most`, or `otherwise` if not given. Throws UsageError.
   int integer(const std::string& option, int least, int most, int otherwise) const;
-  /// Returns the value as a finite number above 0, or `otherwise` if not given. Throws UsageError, also without either.
+  /// Returns the value as a finite number above 0, or `otherwise`. Throws UsageError, also if neither is given.
   double positive(const std::string& option, std::optional<double> otherwise = {}) const;
   const std::vector<std::string>& rest() const { return rest_; }
 

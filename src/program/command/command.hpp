@@ -19,7 +19,7 @@ struct Command {
   std::string summary;   // one line
   std::vector<Option> options;
   std::string help;    // text that follows the options
-  std::string beside;  // the program in this folder that executes it if `run` is null
+  std::string beside;  // the program in the same folder that executes the command if `run` is null
   int (*run)(const Arguments&) = nullptr;
 };
 
@@ -43,17 +43,17 @@ std::string scene_operand(const Arguments& arguments, const std::string& name = 
 
 /// Checks, before hours of work, that an option's file can be written or is standard output (-). Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
-/// Throws UsageError if an option's file is one that is read.
+/// Throws UsageError if an option's file is one of the files that the command reads.
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read);
-/// Throws UsageError if an option of `written` names a file that is read, or the file or standard output of another.
+/// Throws UsageError if an option in `written` names a file in `read`, or the output of another option in `written`.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
                  const std::vector<std::string>& written);
-/// Throws UsageError if one of the files `names` that an option writes into a folder is one of the others.
+/// Throws UsageError if one of the files `names` that an option writes into `folder` is also in `others`.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
 /// Creates a folder unless it exists. Throws InputError.
 void make_folder(const std::string& folder);
-/// Whether one of the options `written` names standard output, where nothing else is printed then.
+/// Whether one of the options `written` names standard output, so that nothing else may be printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
 /// Reads --method, --order and --precision. Throws UsageError.

@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Data that a handler may access: memory that exists from the start, and flags.
+// Data that a signal handler may access: static memory and atomic flags.
 constexpr int kMostFiles = 64;
 std::array<std::array<char, PATH_MAX>, kMostFiles> names;
 std::array<std::atomic<bool>, kMostFiles> removed_by_signals{};

@@ -1,5 +1,5 @@
 #pragma once
-// Ctrl-C and `kill`: commands that support it keep their results so far, and no temporary file remains.
+// Ctrl-C and `kill`: commands with an InterruptFlag keep their results so far, and no temporary file remains.
 
 #include <string>
 
@@ -8,7 +8,7 @@ namespace manycontact::cli {
 /// After this call SIGINT, SIGTERM and SIGHUP, unless ignored, remove the temporary files and end the program.
 void hear_signals();
 
-/// During its lifetime, the first of these signals sets a flag, and the second one ends the program.
+/// During its lifetime, the first SIGINT, SIGTERM or SIGHUP sets a flag, and the second signal ends the program.
 class InterruptFlag {
  public:
   InterruptFlag();

@@ -73,7 +73,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Opens closed standard descriptors, so that no file opened later becomes standard error. Writing to them still fails.
+// Opens /dev/null on closed standard descriptors: no file opened later becomes standard error. Writing still fails.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);
@@ -86,7 +86,7 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  std::signal(SIGXFSZ, SIG_IGN);  // exceeding the limit of a file's size is then an error of the write
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the file size limit then fails with an error
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;

@@ -7,7 +7,7 @@ namespace manycontact::cli {
 
 class Progress {
  public:
-  /// Shows progress on a line of standard error, if this is a terminal or `always`.
+  /// Shows progress on a line of standard error if standard error is a terminal, or if `always`.
   Progress(std::string label, double total, bool always = false);
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;

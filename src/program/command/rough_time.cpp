@@ -12,7 +12,7 @@ constexpr double kCall = 5;           // us per island
 
 double cube(double x) { return x * x * x; }
 
-// Predicts the complete orthogonal decomposition of J^T, and products with the null space [us].
+// Predicts the time of a complete orthogonal decomposition of J^T and of products with the null space [us].
 double dense(const Island& island) {
   const double n = island.nv, m = island.nc;
   return kCall + kSlowFlop * (4 * n * n * m + 2 * cube(n));
@@ -34,7 +34,7 @@ double median(std::vector<double> times) {
 
 double rough_time_of_dense(const Scene& scene, const SceneData& data) {
   if (data.options.method != Method::kDenseSchur) return sum_over_islands(data, dense);
-  double sum = 0;  // kDenseSchur makes one island of the whole scene
+  double sum = 0;  // kDenseSchur treats the whole scene as one island
   for (const Island& island : find_islands(scene, data.active)) sum += dense(island);
   return sum;
 }
@@ -43,7 +43,7 @@ double rough_time_of_solve(const Scene& scene, const SceneData& data) {
   if (data.options.method == Method::kDense) return rough_time_of_dense(scene, data);
   if (data.options.method != Method::kDenseSchur) return 0;
   const double n = scene.nv, m = static_cast<double>(data.f.size());
-  return kFlop * (cube(n) / 3 + n * n * m + n * m * m + cube(m) / 3);  // LLT of M, Z = L^-1 J^T, Z^T Z, its LLT
+  return kFlop * (cube(n) / 3 + n * n * m + n * m * m + cube(m) / 3);  // LLT of M, Z = L^-1 J^T, Z^T Z, LLT of Z^T Z
 }
 
 double rough_time_of_derivatives(const Scene& scene, const SceneData& data) {

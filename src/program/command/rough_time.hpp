@@ -1,6 +1,6 @@
 #pragma once
-// Measured times of calls, and predicted times of dense methods, to a factor of about three on current machines, used
-// only to skip calls that would take too long. These are us; predicted costs (kkt/choose.hpp) are relative.
+// Measured times of calls, and predicted times of dense methods [us], which are right to a factor of about three on
+// current machines. They serve only to skip calls that would take too long.
 
 #include <chrono>
 

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportPlan {
-  std::string folder, scene;  // the scene's name, for headers
+  std::string folder, scene;  // scene: name of the scene, for headers
   bool truth = false, derivatives = false;
 
   std::string path(const std::string& name) const { return (fs::path(folder) / name).string(); }
@@ -54,7 +54,7 @@ void write_names(const Scene& scene, const SceneData& data, const Island& island
   file.close();
 }
 
-// Returns the comment lines at the top of a file. page: the island's members in export.json.
+// Returns the comment lines at the top of a file. page: the island's entry in export.json.
 std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const Json& page) {
   return {what + " of " + printable(plan.scene) + ", " + page["name"].get<std::string>(),
           "nv " + page["nv"].dump() + ", nc " + page["nc"].dump() + ", rank of J " + page["rank"].dump()};
@@ -105,7 +105,7 @@ std::string command_of(const ExportPlan& plan) {
          (plan.derivatives ? " --derivatives" : "");
 }
 
-// Writes the list of the systems, and a page about it.
+// Writes export.json, the list of the systems, and README.md, which explains the files.
 void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islands) {
   write_json_file({{"scene", file.scene.name},
                    {"file", file.path},

@@ -12,7 +12,7 @@
 
 namespace manycontact::cli {
 
-/// K x = b of one island, x = [a; -f], for the scene's own contacts, and the right-hand sides of its derivatives.
+/// System K x = b of one island, x = [a; -f], and the right-hand sides db of K dx = db for the derivatives dx.
 struct ExportedSystem {
   Island island;
   Eigen::SparseMatrix<double> K;  // [M J^T; J -delta I], both triangles
@@ -22,28 +22,27 @@ struct ExportedSystem {
   int size() const { return island.size(); }
 };
 
-/// Returns the options for an export's solve: every contact keeps its own rows, and every robot its own results.
+/// Returns the solver options of an export: no rows of contacts are merged, and no results of equal robots are shared.
 Options export_options();
 
-/// Returns the system of an island after a solve with export_options. With derivatives, also after
-/// differentiate, whose solution `dx` defines db = K dx; entries below the rounding errors of that product are zero. db
-/// is empty if the derivatives are not finite.
+/// Returns the system of an island after a solve with export_options. `derivatives` requires a call of differentiate,
+/// whose result dx gives db = K dx. Entries of db below rounding errors are zero; db is empty if dx is not finite.
 ExportedSystem system_of(const Scene& scene, const SceneData& data, std::size_t i, bool derivatives);
 
 struct ExactSolution {
-  MatX<Quad> x;       // empty if it is not known
-  double digits = 0;  // correct digits of the worst column, relative to the largest entry of its a and of its f;
+  MatX<Quad> x;       // empty if the solution is not known
+  double digits = 0;  // correct digits of the worst column, relative to the column's largest entry of a and of f;
                       // far fewer than 32 if a nearly vanishes
 };
 
-/// Solves K x = b for the numbers of K and b exactly as they are in double precision: refinement with residuals in
-/// quadruple precision, or, if that does not converge, the dense reference solver for at most kDenseUnknowns unknowns.
+/// Solves K x = b, taking the doubles in K and b as exact, by refinement with residuals in quadruple precision. If the
+/// refinement does not converge, uses the dense reference solver for at most kDenseUnknowns unknowns.
 ExactSolution solve_exactly(const ExportedSystem& system, const Eigen::MatrixXd& b);
 inline constexpr int kDenseUnknowns = 400;
 
 /// Returns the scene's own solution in quadruple precision, with forces of least norm where rows are dependent.
 Truth<Quad> solve_scene(const SceneFile& file, SceneData& data);
-/// Returns [a; -f] of one island of that solution, empty if rows are dependent and it is larger than kDenseUnknowns.
+/// Returns [a; -f] of an island from solve_scene; empty if its rows are dependent and it exceeds kDenseUnknowns.
 ExactSolution of_island(const Truth<Quad>& truth, const Scene& scene, const SceneData& data, const Island& island,
                         std::size_t i);
 

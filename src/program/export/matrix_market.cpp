@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kQuadDigits = 33;  // digits after the first; they restore a number of quadruple precision
+constexpr int kQuadDigits = 33;  // digits after the first digit; together they restore a quadruple-precision number
 
 std::string text_of(double x) {
   char text[32];

@@ -8,9 +8,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kMostSteps = 40;        // refinement steps: each one gains digits as long as eps |K| |K^-1| is below 1
-constexpr double kConverged = 1e-20;  // an accepted solution has a relative last correction below this
-constexpr double kMostDigits = 32;    // the 34 digits of quadruple precision, less what a residual of many terms loses
+constexpr int kMostSteps = 40;        // refinement steps: each step gains digits while eps |K| |K^-1| is below 1
+constexpr double kConverged = 1e-20;  // largest relative last correction of an accepted solution
+constexpr double kMostDigits = 32;    // quadruple precision has 34 digits; a residual of many terms loses about two
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
   VecX<Quad> r = b.cast<Quad>();
@@ -27,8 +27,8 @@ double largest(const auto& x) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : part > 0 ? INFINITY : 0; }
 
-// Return the size of the correction dx, relative to x as a whole, which shows convergence, and to the largest
-// acceleration and the largest force, which may be far smaller than x.
+// Return the size of a correction dx of x = [a; -f]: relative to x, which shows convergence; and the larger of dx
+// relative to a and relative to f, which may be far smaller than x.
 double relative_size(const Eigen::VectorXd& dx, const VecX<Quad>& x) { return ratio(largest(dx), largest(x)); }
 double relative_size_of_parts(const Eigen::VectorXd& dx, const VecX<Quad>& x, int nv) {
   return std::max(ratio(largest(dx.head(nv)), largest(x.head(nv))),
@@ -39,7 +39,7 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// Repeats x <- x + (LU)^-1 (b - K x), residuals in quadruple precision, while corrections shrink; returns the smallest.
+// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the smallest.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());
@@ -64,7 +64,7 @@ MatX<Quad> join(MatX<Quad> a, MatX<Quad> f) {
   return x;
 }
 
-// Solves with the dense reference solver. Its error is the change that one more refinement would make.
+// Solves with the dense reference solver. The error is estimated by the correction of one more refinement step.
 ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
   const int nv = s.island.nv, nc = s.island.nc;
   const MatX<Quad> K = Eigen::MatrixXd(s.K).cast<Quad>();

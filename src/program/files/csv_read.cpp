@@ -31,7 +31,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
-// Reads a line of limited length, since a device, or a file that is not text, may have no line breaks.
+// Reads a line of limited length: a device or a binary file may have no line breaks.
 bool CsvReader::read_line(std::string& line) {
   constexpr std::size_t kMost = std::size_t(1) << 26;
   line.clear();

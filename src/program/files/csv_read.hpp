@@ -23,7 +23,7 @@ class CsvReader {
 
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return column_.contains(name); }
-  /// Returns the column of that name; throws InputError if there is none.
+  /// Returns the index of the column `name`; throws InputError if there is no such column.
   std::size_t column(const std::string& name) const;
   /// Throws InputError for the line that was read last.
   [[noreturn]] void fail(const std::string& message) const;

@@ -28,9 +28,9 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
+  stream_.exceptions(std::ios::badbit);  // exceptions of write() then pass through the stream's operators
   if (is_standard_output(path_)) {
-    std::cout.flush();  // earlier output comes first
+    std::cout.flush();  // earlier output of std::cout must precede that of file_
     file_ = dup(STDOUT_FILENO);
   } else if (is_written_straight(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -52,7 +52,7 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the target (links are followed), with the mode of the old file, if any.
+// Opens a temporary file in the folder of the target, behind symbolic links, with the permissions of an older target.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);
@@ -69,7 +69,7 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // not every file system has modes
+  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // fails on file systems without modes
 }
 
 void OutputFile::refuse(int error) const {

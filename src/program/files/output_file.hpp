@@ -12,15 +12,15 @@ namespace manycontact::cli {
 
 /// Whether a path is "-", /dev/stdout or another name of descriptor 1.
 bool is_standard_output(const std::string& path);
-/// Whether a path is written in place: standard output, a device, a pipe, or a folder (which then cannot be opened).
+/// Whether a path is written without a temporary file: standard output, a device, a pipe, or a folder (fails to open).
 bool is_written_straight(const std::string& path);
 
-/// The file of an option. It is written under a temporary name in the same folder, and renamed when it is complete. An
-/// older file of its name remains until then, and also if the run fails or a signal ends it. All methods throw
-/// InputError if the file cannot be written.
+/// The output file of an option. It is written under a temporary name in the same folder, and renamed when it is
+/// complete. An older file with the final name remains until the renaming, also if the run fails or is interrupted. All
+/// methods throw InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
-  /// option: used in error messages; "": there is none.
+  /// option: name of the option for error messages; "": there is none.
   explicit OutputFile(std::string path, std::string option = "");
   /// Opens, in another process, the temporary file that the first process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
@@ -38,7 +38,7 @@ class OutputFile : private std::streambuf {
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// Flushes everything that this process wrote to the file system.
+  /// Flushes all bytes that this process has written to the file system.
   void finish();
   /// Renames the file to its final name once all processes have finished. Only the process that created it calls this.
   void publish();

@@ -16,7 +16,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kCannotWrite = 3;  // exit status of scripts that cannot write a file; they print its name and the reason
+constexpr int kCannotWrite = 3;  // exit status of a script that cannot write a file and prints its name and the reason
 
 }  // namespace
 

@@ -15,7 +15,7 @@ constexpr std::size_t kMostElements = 24;
 
 std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
 
-// Returns the normal of a contact with friction. Defaults are those of model/scene.hpp.
+// Returns the normal of a contact with friction as text; without a given normal, the default of model/scene.hpp.
 std::string normal_of(const Contact& contact) {
   if (contact.normal) return three_numbers(*contact.normal);
   if (!contact.mu) return "";

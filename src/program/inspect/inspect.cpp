@@ -62,12 +62,12 @@ std::string types_of(const Scene& scene, const std::vector<int>& contacts) {
   return join(parts);
 }
 
-// Prints the predictions for an island's shape. They are relative (kkt/choose.hpp).
+// Prints the predicted costs of the methods for an island's shape, relative to the cheapest of sparse-ldl and cholmod.
 void print_costs(std::ostream& out, IslandShape& shape, const Options& options, const Choice& choice) {
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::ranges::min_element(costs.ldl), *std::ranges::min_element(costs.cholmod)});
   const auto relative = [least](double cost) { return number(cost / least); };
-  if (is_deep(shape)) {  // patterns of K are not computed
+  if (is_deep(shape)) {  // K's pattern is not computed for deep islands
     wrap(out,
          "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
              number(costs.bodies / (costs.terms + least)),

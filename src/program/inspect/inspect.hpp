@@ -14,17 +14,17 @@ struct Inspection {
   std::vector<IslandKind> kinds;
   double bytes = 0;  // heap memory of `data` after the solve; 0: unknown
 
-  /// Index of the first island of a kind. Its name, shape and ranks represent all islands of the kind.
+  /// Index of the first island of a kind. This island's name, shape and ranks represent all islands of the kind.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
   const Island& island(const IslandKind& kind) const { return solved_island(data, first(kind)); }
-  /// Returns the pattern, analysed in the order that the solve chose.
+  /// Returns the pattern of the island's K, analysed in the elimination order that the solve chose.
   const KktPattern& pattern(std::size_t island) const;
   std::string name(const IslandKind& kind) const;
 };
 
 /// Prints limits and efforts as the robots' files contain them, once per model.
 void print_joints(std::ostream& out, const SceneFile& file);
-/// Prints the constraint of each contact, its gains and mu, and the errors of its frames; copies once.
+/// Prints each contact's constraint, gains, mu and errors at the scene's state; copies of a contact share a line.
 void print_contacts(std::ostream& out, const SceneFile& file);
 
 /// Writes the patterns of K and L as an SVG file; "-" is standard output. Throws as OutputFile and run_python do.

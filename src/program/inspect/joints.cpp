@@ -15,7 +15,7 @@ const char* type_name(const Joint& joint) {
   return kNames[static_cast<int>(joint.type)];
 }
 
-// Returns a limit as text, empty if the file has none.
+// Returns limit k as text; "" if the file has no such limit.
 std::string bound(const Eigen::VectorXd& limits, int k) {
   return limits.size() > k && std::isfinite(limits[k]) ? number(limits[k], 4) : "";
 }

@@ -28,7 +28,7 @@ std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const 
   return places.v;
 }
 
-// Adds the islands, and the patterns that they share.
+// Adds the islands, and each pattern once, although islands share patterns.
 void add_islands(const Inspection& x, Json& to) {
   const SceneData& solved = data_solved(x.data);
   std::map<const KktPattern*, std::size_t> numbers;

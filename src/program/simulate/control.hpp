@@ -1,5 +1,5 @@
 #pragma once
-// Joint torques during a simulation: the scene's, or over time from a file, and a PD law towards a reference over time.
+// Joint torques during a simulation: the scene's torques or a file's over time, plus a PD law towards a reference.
 
 #include <optional>
 
@@ -11,14 +11,14 @@ namespace manycontact::cli {
 /// Numbers over time from a CSV file: a column t, ascending, and columns called `prefix` + a coordinate's name.
 class TimeTable {
  public:
-  /// Ignores columns with other prefixes. Throws InputError, also if a column with this prefix is not among `names`.
+  /// Reads the columns `prefix` + name; ignores other prefixes. Throws InputError, also if a name is not in `names`.
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
   /// Sets the coordinates that have a column to the values of the last row up to t; does nothing before the first row.
-  /// With `between`, values are interpolated between rows, and constant before the first one.
+  /// With `between`, values are interpolated between rows, and constant before the first row.
   void at(double t, bool between, Eigen::VectorXd& x) const;
-  /// Computes the slopes of the interpolation at t, by column: 0 before the first row and from the last on.
+  /// Computes the slope of each column's interpolation at t: 0 before the first row, and from the last row on.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;
   /// The coordinates that have a column, in the order of the columns.
   const std::vector<int>& columns() const { return columns_; }
@@ -28,21 +28,21 @@ class TimeTable {
   std::vector<double> t_, values_;
 };
 
-/// u(t) = torques(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
+/// Torques u(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
 class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Reads columns "u:r0/knee", constant until the next row. The scene's torques are used before, and without a column.
+  /// Reads columns "u:r0/knee", constant until the next row. The scene's torques apply before the first row, and to
+  /// joints without a column.
   void read_torques(const std::string& path);
   /// Sets a PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the
-  /// velocity is the slope of q:; without both, the reference is the scene's q at rest. `gains` is "kp kd; r0/knee kp
-  /// kd; ...", the first pair for joints not named. Throws UsageError; InputError for an actuated joint of several
-  /// coordinates.
+  /// velocity is the slope of q:; without q: and v:, the reference is the scene's q at rest. `gains`: "kp kd; r0/knee
+  /// kp kd; ...", the first pair for other joints. Throws UsageError; InputError for actuated multi-coordinate joints.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
-  /// Sets the PD law's reference to that at t.
+  /// Sets pd.q_ref and pd.v_ref to the reference at time t.
   void set_pd(double t, PdLaws& pd);
   /// Returns torques_at plus the torque of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);

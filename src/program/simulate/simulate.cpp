@@ -24,7 +24,7 @@ namespace {
 
 constexpr double kMostSteps = 1e9;
 const std::string kInterrupted = "interrupted";
-constexpr int kConditionEvery = 10;  // steps
+constexpr int kConditionEvery = 10;  // number of steps between estimates of the condition number
 
 // The request of the command line, and the results of the run.
 struct Run {
@@ -37,8 +37,9 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
   double seconds = 0;
-  SpringStep shortest;  // the shortest step limit of springs at the start
-  Findings at_start;    // also nearly dependent rows of later contacts, and joints without inertia that ended the run
+  SpringStep shortest;  // the spring or joint with the smallest step limit at the start
+  Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
+                        // ended the run
   std::optional<Recording> view;
 };
 
@@ -76,14 +77,14 @@ struct Around {
   std::optional<TimeTable> wrenches_in_time;
   Eigen::VectorXd wrenches;  // all external wrenches, one after the other
 
-  /// Sets the wrenches of the next step to those at t, if a file has them.
+  /// Sets the external wrenches of the next step to the file's wrenches at t, if --wrenches is given.
   void push(double t, SimulationData& sim) {
     if (!wrenches_in_time) return;
     wrenches_in_time->at(t, false, wrenches);
     for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)
       sim.dynamics.wrenches[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
   }
-  /// Also sets the PD law's reference: that at the end of the step from t, or in its middle for RK4.
+  /// Sets the wrenches, and the PD law's reference to that at the end of the step from t (RK4: in its middle).
   void act(double t, SimulationData& sim) {
     push(t, sim);
     control.set_pd(sim.integrator == Integrator::kRk4 ? t + sim.h / 2 : t + sim.h, sim.pd);
@@ -99,7 +100,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   return u;
 }
 
-// Writes the forces at the last state, computed by a step that is undone.
+// Writes the forces at the last state: makes one more step for them, and restores the state.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
   const Eigen::VectorXd q = sim.q, v = sim.v;
   const long steps = sim.steps;
@@ -191,7 +192,7 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-// Returns what requires the smallest step: "spring rope", "joint arm/wrist, by its spring and PD law,".
+// Returns the name of the spring or joint in `shortest`: "spring rope", "joint arm/wrist, by its spring and PD law,".
 std::string name_of(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
   if (shortest.spring >= 0) return "spring " + scene.springs[shortest.spring].name;
   const int i = shortest.coordinate;
@@ -225,7 +226,7 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
          " s, for the initial inertia";
 }
 
-// Describes the contact that is farthest: "g closes 0.4 m away from its place".
+// Describes the closed contact with the largest placement error: "g closes 0.4 m away from its place".
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
   const PlacementError& worst = *std::ranges::max_element(blow.away, {}, size);
@@ -246,7 +247,7 @@ void print_impacts(std::ostream& out, const Scene& scene, const Around& around) 
   }
 }
 
-// Returns nothing if every switch was done.
+// Lists the switches of --switch that the run did not reach; "" if every switch was done.
 std::string switches_not_reached(const Around& around, const SimulationData& sim) {
   const std::string list = around.switches ? around.switches->not_reached() : "";
   return list.empty() ? "" : "not switched, for the run ended at t = " + number(sim.time(), 6) + " s: " + list;

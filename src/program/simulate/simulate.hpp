@@ -21,7 +21,7 @@ void write_trajectory_row(double t, const Eigen::VectorXd& q, const Eigen::Vecto
                           CsvFile& csv);
 
 /// Writes t and the forces of all contacts in their reference frames, "f:left[0]", 0 for inactive contacts. The forces
-/// are those at the state that sim's last step started from.
+/// belong to the state at the start of sim's last step.
 void write_forces_header(const Scene& scene, CsvFile& csv);
 void write_forces_row(double t, const Scene& scene, const SimulationData& sim, CsvFile& csv);
 

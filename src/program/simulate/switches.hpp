@@ -10,7 +10,7 @@ namespace manycontact::cli {
 class Switches {
  public:
   /// Parses "0.2 left off, 0.5 left on": times, contacts (or copies, by the name in the file), and `off`, `on` or
-  /// `here` (on, fixed where frame A is then). Throws UsageError.
+  /// `here` (on, with B' at the placement that frame A has at this time). Throws UsageError.
   Switches(const std::string& text, const SceneFile& file);
 
   struct Event {
@@ -25,14 +25,14 @@ class Switches {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    std::vector<PlacementError> away;  // contacts closed by `on` whose frames are not in their place
+    std::vector<PlacementError> away;  // errors of contacts closed by `on` out of place
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 
   /// Lists the switches not done yet in the option's syntax, "5 left off, 7 right on"; empty if all are done.
   std::string not_reached() const;
 
-  /// Does the switches due at the state's time, at most `tolerance` early. Returns false if an impact is not solved.
+  /// Makes the switches due at the state's time, at most `tolerance` early. Returns false if an impact's solve failed.
   [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);
 
  private:

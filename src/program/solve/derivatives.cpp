@@ -1,4 +1,4 @@
-// The derivatives in the summary: their time, and the largest entry and the error bound of each matrix.
+// Prints derivatives in the summary: the time, and the largest entry and the error bound of each matrix.
 
 #include <cmath>
 

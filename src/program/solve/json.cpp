@@ -66,7 +66,7 @@ Json quality_entry(const SystemQuality& of) {
           {"signature", {of.positive, of.negative, of.zero}}};
 }
 
-// Returns the least precision of the islands; without islands the requested one.
+// Returns the least precision of the islands; the requested precision if there are no islands.
 Precision least_precision(const Report& report, Precision asked) {
   Precision least = report.islands.empty() ? asked : report.islands.front().precision;
   for (const IslandReport& island : report.islands) least = std::min(least, island.precision);
@@ -113,7 +113,7 @@ constexpr Block kBlocks[] = {
     {"dforces_du", &SceneDerivatives::dforces_du, &DerivativeBounds::dforces_du},
 };
 
-// Returns the largest bound over all islands; NaN, written as null, if one is not known.
+// Returns the largest error bounds over all islands; NaN, written as null, if an island's bound is not known.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;

@@ -32,8 +32,8 @@ double median_time(int repeat, Call&& call) {
       repeat, [] {}, call);
 }
 
-// Repeats the analyses of set-up and first solve: the patterns that the choice compares, and CHOLMOD's symbolic
-// factorization if it is chosen. An island whose shape is known costs a look-up.
+// Repeats the symbolic analyses of set-up and first solve: the patterns that the choice of a method compares, and
+// CHOLMOD's factorization if CHOLMOD is chosen. An island whose shape is already in `shapes` costs a look-up.
 void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
   for (const Island& island : islands) {
     const std::size_t known = shapes.size();

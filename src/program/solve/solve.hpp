@@ -12,8 +12,8 @@ namespace manycontact::cli {
 
 /// Median times, us.
 struct Times {
-  double symbolic = 0;  // analysis of every shape of island, as if none were known
-  double setup = 0;     // set-up of the SceneData: memory, islands, and that analysis
+  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches
+  double setup = 0;     // construction of the SceneData: memory, islands, and symbolic analysis
   double solve = 0;
   double derivatives = 0;  // 0 unless requested
 };
@@ -30,18 +30,18 @@ struct SolvedScene {
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
   std::vector<char> unique = {};            // one entry per row of data.f, by unique_forces; empty: not requested
-  bool compare = false;                     // compare with the dense reference solver, however long it takes
+  bool compare = false;                     // compare with the dense reference solver even if its solve is slow
 };
 
-/// Sets up, analyses, solves and, on request, differentiates the scene, each `repeat` times; solve and derivatives once
-/// more before, to warm up.
+/// Times set-up, analysis, solve and, if requested, derivatives of the scene, `repeat` times each. Solve and
+/// derivatives run once before, to warm up.
 SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
 /// Writes the JSON document to `path`; "-" is standard output. Throws InputError if it cannot be written.
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);
-/// These functions print parts of the summary, in its order.
+/// The functions below print the parts of the summary, in the summary's order.
 void print_report(std::ostream& out, const SolvedScene& solved);
 void print_accelerations(std::ostream& out, const SolvedScene& solved);
 void print_forces(std::ostream& out, const SolvedScene& solved);

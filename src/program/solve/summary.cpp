@@ -38,7 +38,7 @@ std::string status_in_words(const Report& report, double damping) {
   return "";
 }
 
-// Islands with the same results, which share a line.
+// Islands with equal results, which share a line of the summary.
 struct Alike {
   std::vector<const Island*> islands;
   std::size_t number;   // number of the first island
@@ -104,7 +104,7 @@ std::string errors_in_words(const IslandReport& r) {
   return a + (a.empty() || f.empty() ? "" : ", ") + f;
 }
 
-// Returns nothing if only double precision was requested.
+// Describes the precision that the solve reached; "" if only double precision was requested.
 std::string precision_in_words(const SolvedScene& s, const IslandReport& r) {
   const Precision asked = s.data.options.precision;
   if (asked == Precision::kDouble) return "";
@@ -116,7 +116,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// Prints one fact per line, if all islands have the same results.
+// Prints one fact per line, for scenes in which all islands have equal results.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {

@@ -31,7 +31,7 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
   return w;
 }
 
-// Returns the components of a force that could be distributed differently: those of rows that are not unique.
+// Returns a flag per component of a contact's force: whether the component depends on rows that are not unique.
 std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
   const int first = s.data.f_offset[c];
@@ -86,7 +86,7 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 
 bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
-    return false;  // such accelerations are not rounding errors
+    return false;  // accelerations of inconsistent islands are not rounding errors
   return std::ranges::all_of(report.islands,
                              [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

@@ -40,10 +40,10 @@ struct EnergyRun {
   EnergyRow last = {};  // last row of energy.csv
   StepStatus stopped = StepStatus::kOk;
   long steps = 0;      // completed steps
-  double kinetic = 0;  // largest, J
+  double kinetic = 0;  // largest kinetic energy, J
 };
 
-// Critically damped gains with these rates [1/s], from soft to stiff; 0: no gains.
+// Rates omega of critically damped gains alpha = omega^2, beta = 2 omega [1/s]; 0: no gains.
 constexpr double kRates[] = {0, 10, 100, 1000};
 constexpr double kSmallestStep = 5e-4, kLargestStep = 0.1;  // s
 constexpr int kStepsPerDecade = 10;
@@ -74,7 +74,7 @@ const char* to_string(StepStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
-// Writes a row with the largest constraint violation over `time`; stops if a step fails.
+// Simulates `time` seconds and writes a row with the largest constraint violation; stops if a step fails.
 void measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice, double h,
                    double time, const std::function<void(long)>& each, CsvFile& csv) {
   const Gains gains = gains_for(choice, integrator, h);
@@ -131,7 +131,7 @@ struct Plan {
   bool progress = false;
 };
 
-// Returns the number of solves of all runs, as a measure of their cost.
+// Returns the number of solves of all runs, a measure of the runs' cost.
 double total_work(const Plan& plan) {
   double work = 0;
   for (double h : step_sizes()) work += 5 * plan.drift_time / h * static_cast<double>(gains_choices().size());

@@ -6,7 +6,7 @@
 
 namespace manycontact::cli {
 
-/// Returns why the last solve used another method than chosen, or nothing if it did not.
+/// Returns why the last solve used another method than the chosen method; "" if it used the chosen method.
 std::string why_changed(const Choice& choice, const IslandReport& report);
 
 /// Returns the number of non-zeros of K, both triangles, without the contact rows' diagonal if it is zero.

@@ -6,26 +6,26 @@
 
 namespace manycontact::cli {
 
-/// "humanoid", or "herd x64" for copies.
+/// Returns "humanoid", or "herd x64" for copies.
 std::string group_name(const RobotGroup& group);
-/// "1 floating, 32 revolute".
+/// Returns the counts of joint types: "1 floating, 32 revolute".
 std::string joint_types(const Model& model);
 /// Returns the names of robots, all copies of a group as one: "a, b, beam", "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
-/// Does what robot_names does, for several islands: "herd0 .. herd63".
+/// Returns the names of the robots of several islands, as robot_names does: "herd0 .. herd63".
 std::string islands_name(const SceneFile& file, const std::vector<const Island*>& islands);
 
-/// Returns for each contact of the scene the index of its element in contact_groups, which its copies share.
+/// Returns for each contact of the scene the index of its ContactGroup in file.contact_groups.
 std::vector<int> group_of_contacts(const SceneFile& file);
 
-/// Counts the scene's islands, also for method dense-schur, whose report has one entry for all of them.
+/// Counts the scene's islands, also for method dense-schur, whose report has one entry for all islands.
 std::size_t count_islands(const Scene& scene, const SceneData& data);
 
-/// Prints the heading of both commands: name, path, gravity, damping, sizes.
+/// Prints the heading of `solve` and `inspect`: name, path, gravity, damping, sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
 /// Prints, by robot, the links that were merged or locked when the files were read.
 void print_notes(std::ostream& out, const SceneFile& file);
-/// Prints external wrenches and springs at the file's q and v: points, lengths and forces; nothing without any.
+/// Prints external wrenches and springs at the file's q and v: points, lengths and forces. May print nothing.
 void print_applied_forces(std::ostream& out, const SceneFile& file);
 
 }  // namespace manycontact::cli

@@ -12,7 +12,7 @@
 
 namespace manycontact::cli {
 
-// Nearly dependent rows, with their names, since other contacts may be active later.
+// Nearly dependent rows with their names: indices of f change if other contacts become active.
 struct NearlyDependent {
   NearDependent found;
   std::vector<std::string> rows;
@@ -32,7 +32,7 @@ struct Findings {
   std::vector<RankChange> rank_changes;
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
-  std::vector<std::string> velocity_names;  // names of all coordinates, if rank_changes need them
+  std::vector<std::string> velocity_names;  // names of all velocity coordinates; empty without rank_changes
   std::vector<std::string> close_rows;      // descriptions of islands whose rank decision is not reliable
   double rank_gap = std::numeric_limits<double>::infinity();  // the smallest gap of the islands; infinite if unknown
 
@@ -45,32 +45,32 @@ struct Findings {
 
 /// Returns the findings of a scene solved at its own state.
 Findings find(const SceneFile& file, const SceneData& data);
-/// Adds near_dependent, close_rows and rank_gap of a solution at q, each once for the same rows.
+/// Adds near_dependent, close_rows and rank_gap of a solution at q; rows that were added before are not repeated.
 void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to);
 
-/// "r0/knee: position 3.2, beyond 2.5"
+/// Returns "r0/knee: position 3.2, beyond 2.5".
 std::string in_words(const Scene& scene, const LimitPassed& limit);
-/// "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient"
+/// Returns "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient".
 std::string in_words(const Scene& scene, const Violation& violation);
 
-/// "slides across rows that turn with A, ..."
+/// Returns "slides across rows that turn with A, ...".
 std::string in_words(const Scene& scene, const TurningRows& rows);
 
 /// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
 
-/// Prints "To look at": a line per kind of finding, the worst first; nothing without findings.
+/// Prints "To look at" with a line per kind of finding, the worst first. Prints nothing if there are no findings.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
 
-/// {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" if the contact slips.
+/// Returns {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" if the contact slips.
 Json json_of(const Scene& scene, const Violation& violation);
-/// {"contact": "left", "rate": 2.3}
+/// Returns {"contact": "left", "rate": 2.3}.
 Json json_of(const Scene& scene, const TurningRows& rows);
-/// {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}
+/// Returns {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}.
 Json json_of(const Scene& scene, const LimitPassed& limit);
 /// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
-/// rank_changes, near_dependent, turning_rows, which are lists. It also adds `findings`, which has all of them as text:
-/// {"kind": "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" for those of a robot's file.
+/// rank_changes, near_dependent, turning_rows, which are lists. The key `findings` has all of these as text:
+/// {"kind": "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" if a robot's file is the cause.
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 
 }  // namespace manycontact::cli

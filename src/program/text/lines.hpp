@@ -1,5 +1,5 @@
 #pragma once
-// Tables in which neighbouring copies with the same text share one line: "foot0 .. foot63".
+// Tables in which neighbouring copies with equal text share one line: "foot0 .. foot63".
 
 #include "table.hpp"
 
@@ -15,10 +15,10 @@ struct Line {
 };
 using Lines = std::vector<Line>;
 
-/// Appends a line, or adds this copy to the last one.
+/// Appends a line; if group and cells are those of the last line, extends the last line by this copy instead.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
-/// Prints the `most` largest lines in their old order, and how many more there are. none_larger: these are not larger.
+/// Prints the `most` largest lines in their order, and the number of other lines (none_larger: "none larger" is added).
 void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
 
 }  // namespace manycontact::cli

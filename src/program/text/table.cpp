@@ -17,7 +17,7 @@ int width(const std::string& text) {
   return static_cast<int>(std::ranges::count_if(text, [](char c) { return !continues(c); }));
 }
 
-// Return the first `n` characters, and the last ones.
+// head returns the first `n` characters of a text, tail the last `n`.
 std::string head(const std::string& text, int n) {
   std::size_t end = 0;
   for (; end < text.size(); ++end)

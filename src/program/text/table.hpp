@@ -12,9 +12,9 @@ namespace manycontact::cli {
 inline constexpr int kLineWidth = 100;
 
 using text::number;
-/// "3.5e+05"
+/// Formats `x` as "3.5e+05".
 std::string scientific(double x);
-/// Formats `x` with `decimals` decimals, never "-0.00"; numbers too long for that as number() does.
+/// Formats `x` with `decimals` decimals, never "-0.00". Numbers that would be too long are formatted by number().
 std::string decimal(double x, int decimals = 2);
 using text::count;
 using text::join;
@@ -24,10 +24,10 @@ std::string printable(std::string text);
 /// Shortens texts to `widest` characters, or a little more to keep them distinct, by leaving out their middles.
 std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest);
 
-/// Prints `text` in lines up to kLineWidth wide: the first after `indent` blanks and `bullet`, the others aligned.
+/// Prints `text` in lines up to kLineWidth wide. The first line has `indent` blanks and `bullet`; others are aligned.
 void wrap(std::ostream& out, const std::string& text, int indent, const std::string& bullet = "");
 
-/// Prints "  ... and 3 more groups" unless all are shown.
+/// Prints "  ... and 3 more groups" if `shown` is less than `all`.
 void print_more(std::ostream& out, std::size_t all, std::size_t shown, const std::string& what = "");
 
 class Table {

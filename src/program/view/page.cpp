@@ -67,7 +67,7 @@ Json frames_of(const Recording& r) {
           {"flags", base64_of(r.flags)}};
 }
 
-// Replaces '<' in a text inside <script>, which '<' could end.
+// Escapes '<' in JSON text inside <script>: a text "</script>" would end the element.
 std::string script_safe(const std::string& json) {
   std::string out;
   for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);

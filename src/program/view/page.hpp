@@ -23,7 +23,7 @@ std::string base64_of(const std::vector<T>& list);
 /// Returns the robots, their bodies' shapes and the meshes. Lists missing files in `notes`, mesh files in `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
-/// Records the last state as a frame, if it is not one yet.
+/// Records the last state of the motion as a frame, unless it is recorded already.
 void finish(Recording& recording);
 
 }  // namespace manycontact::cli

@@ -1,4 +1,4 @@
-// The shapes of robots: the visuals of their URDF, and capsules between the joints of bodies that have none.
+// The shapes of robots: the visuals of their URDF files, and capsules between joints for bodies without visuals.
 
 #include <map>
 #include <set>
@@ -14,7 +14,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 4000;  // triangles of a mesh; finer meshes are thinned out
+constexpr std::size_t kMostTriangles = 4000;  // most triangles of a mesh; finer meshes are decimated
 
 constexpr const char* kNames[] = {"box", "cylinder", "sphere", "mesh"};
 
@@ -26,7 +26,7 @@ Json json_of(const SE3<double>& at) {
   return list;
 }
 
-// The meshes of a scene, each once.
+// The meshes of a scene without repetition.
 struct Meshes {
   Json list = Json::array();
   std::map<std::string, int> index;  // key: path; value -1: the mesh cannot be read
@@ -56,8 +56,8 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
   return at->second;
 }
 
-// Returns a capsule from the body's origin to p, in the body's frame; a ball if p is the origin. `ends`: the capsule's
-// tip is at p, instead of the middle of its round end.
+// Returns a capsule from the body's origin to p, in the body's frame; a ball if p is the origin. The centre of the
+// round end is at p, or, with `ends`, the capsule's tip.
 Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   if (ends && p.norm() > 0) p *= 1 - radius / p.norm();
   const double length = p.norm();
@@ -89,8 +89,8 @@ Vec3<double> tip_of(const Model& model, int joint) {
   return tip.norm() < centre.norm() ? Vec3<double>(2 * centre) : tip;
 }
 
-// Adds capsules for bodies without a complete shape: from their joint to the joints they carry, for leaves to their
-// tips. Body -1 is a fixed base.
+// Adds capsules for bodies without a complete shape: from a body's joint to its child joints; for a leaf, to its tip.
+// Body -1 is a fixed base.
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);
   std::vector<std::vector<Vec3<double>>> ends(whole.size());  // one entry per body, the base first
@@ -118,7 +118,7 @@ Json names_of_bodies(const Model& model) {
 Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
   std::unordered_map<std::string, const Frame*> frames;
   for (const Frame& frame : model.frames) frames.emplace(frame.name, &frame);
-  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // the base first
+  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // one entry per body, base first
   Json shapes = Json::array();
   for (const Visual& visual : load_visuals(urdf)) {
     const auto found = frames.find(visual.link);

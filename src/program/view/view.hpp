@@ -10,20 +10,21 @@
 
 namespace manycontact::cli {
 
-/// A state of the motion. Its forces are given, or come from a solve with the torques u; with neither none are shown.
+/// A state of the motion. If neither `forces` nor torques `u` for a solve are given, the page shows no forces.
 struct ViewState {
   double t = 0;  // s
   Eigen::VectorXd q, v;
   std::vector<char> active;                                 // one flag per contact
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
   std::optional<std::vector<Eigen::VectorXd>> forces = {};  // one entry per contact, in its reference frame
-  std::optional<Eigen::Vector2d> drift = {};                // position, velocity; default: those of `active`
+  std::optional<Eigen::Vector2d> drift = {};                // violations: position, velocity; default: computed
   std::optional<std::vector<Vec6<double>>> wrenches = {};   // wrenches; default: the scene's
 };
 
 /// The data that the page draws, one frame after the other.
 struct Recording {
-  /// Records `rate` frames per second at most. The scene outlives it. Throws std::runtime_error if no page can be made.
+  /// Records at most `rate` frames per second. `scene` must outlive the recording. Throws std::runtime_error if the
+  /// program was built without the page's parts.
   explicit Recording(const Scene& scene, double rate = 50);
 
   const Scene* scene;
@@ -39,9 +40,9 @@ struct Recording {
   std::vector<std::int32_t> islands;                          // one per robot: the first robot of its island
   std::vector<float> points, normals, forces;                 // 3 per contact, in the world: A's origin, the contact's
                                                               // normal, the force on A [N], NaN: unknown
-  std::vector<float> held;                                    // 6 per contact: B' and the frame that B is attached to
-  std::vector<float> wrenches, springs;  // 6 per external wrench, in the world: point of application,
-                                         // force [N]; 6 per spring: its ends
+  std::vector<float> held;                                    // 6 per contact: origins of B' and of the frame that B
+                                                              // is attached to, in the world [m]
+  std::vector<float> wrenches, springs;  // 6 per external wrench: point of application, force; 6 per spring: its ends
   std::vector<std::uint8_t> flags;       // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
@@ -56,20 +57,20 @@ void add_state(const ViewState& state, Recording& recording);
 
 /// Records the states of a CSV with the columns of `simulate`: t, q:*, v:* of this scene in any order, and
 /// violation_position and violation_velocity if they exist. Other columns are ignored. With `forces`, a CSV with t and
-/// f:left[0] ... of all contacts, a state has the forces at the same t; a contact whose forces are all 0 is inactive
-/// then. Throws InputError if a file cannot be read, a column is missing, a cell is not a finite number, t does not
-/// increase, or forces have a time without a state.
+/// f:left[0] ... of all contacts, a state has the forces of the row with equal t; contacts with forces of only zeros
+/// are inactive. Throws InputError if a file cannot be read, a column is missing, a cell is not a finite number, t does
+/// not increase, or forces have a time without a state.
 void read_trajectory(const std::string& path, const std::optional<std::string>& forces, const Scene& scene,
                      Recording& recording);
 
-/// Writes the page, one file that loads nothing else; "-" is standard output. Returns notes for the user, a line each.
-/// Throws InputError if it cannot be written, UsageError if it would be larger than 500 MB.
+/// Writes the page as one file without links to other files; "-" is standard output. Returns notes for the user, a line
+/// each. Throws InputError if the file cannot be written, UsageError if it would be larger than 500 MB.
 std::vector<std::string> write_view(const SceneFile& file, Recording& recording, const std::string& path);
 
-/// Makes a recording for commands with the option --view; none without the option. Throws UsageError for standard
-/// output, InputError if the file cannot be written, and std::runtime_error as Recording does.
+/// Makes a recording if the option --view is given. Throws UsageError for standard output, InputError if the file
+/// cannot be written, and std::runtime_error as Recording does.
 std::optional<Recording> recording_of(const Arguments& arguments, const Scene& scene);
-/// Writes the view if recording_of made a recording, and prints a line on `out`, if there is one.
+/// Writes the page if recording_of made a recording, and prints a line on `out` unless `out` is null.
 void finish_view(const Arguments& arguments, const SceneFile& file, std::optional<Recording>& recording,
                  std::ostream* out);
 

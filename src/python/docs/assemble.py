@@ -18,7 +18,7 @@ MOST_MEMBERS = 27
 
 
 def shared(path):
-    """The descriptions by their keys."""
+    """Returns the descriptions of shared.txt by key."""
     blocks = re.findall(r"^\[(\w+)\]\n((?:.+\n)+)", path.read_text(), re.M)
     return {"@" + key: text.rstrip("\n") for key, text in blocks}
 
@@ -29,7 +29,7 @@ def docstring(text, known):
 
 
 def parameters_at(text):
-    """The parameters in brackets with which `text` begins, and the text after them."""
+    """Returns the parameters in brackets at the start of `text`, and the text after the brackets."""
     if not text.startswith("("):
         return [], text
     parameters, start, depth, quote = [], 1, 0, ""
@@ -49,7 +49,7 @@ def parameters_at(text):
 
 
 def entries(text, known):
-    """The (key, parameters, docstring) of a file's classes, their members, and functions."""
+    """Yields (key, parameters, docstring) of a file's classes, their members, and functions."""
     for entry in re.split(r"^==== ", text, flags=re.M)[1:]:
         names, rest = re.match(r"([\w, ]+)(.*)", entry, re.S).groups()
         parameters, rest = parameters_at(rest)
@@ -80,7 +80,7 @@ def table(docs):
 
 
 def aggregate():
-    """C++ finds the number of a structure's members: as many empty braces as it has make one of it, and no more."""
+    """Returns aggregate.hpp. C++ counts a structure's members as the most empty braces that initialise the structure."""
     lines = ["#pragma once\n#include <tuple>\n\nnamespace manycontact::python {\n\n"]
     lines.append("template <class A, class T>\nauto tied(T& x) {\n")
 

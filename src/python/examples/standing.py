@@ -8,7 +8,7 @@ import sys
 import manycontact as mc
 import matplotlib.pyplot as plt
 
-# %% The scene, the torques that hold it still, and what they cost in contact forces.
+# %% The scene, the torques that keep it at rest, and the contact forces with these torques.
 file = mc.load_scene(sys.argv[1])
 scene = file.scene
 data = mc.SceneData(scene)
@@ -19,7 +19,7 @@ print(mc.solve(scene, file.q, file.v, u, data))
 blocks = mc.differentiate(scene, data).islands[0]
 print("largest df/du:", abs(blocks.dforces_du).max(), "N per N m")
 
-# %% Pushed: the base starts at 0.1 m/s sideways; contacts hold by the gains that this step bears.
+# %% A push: the base starts at 0.1 m/s sideways; the gains of the contacts are those recommended for the step h.
 h = 1e-3
 gains = mc.recommended_gains("rk4", h)
 for contact in scene.contacts:

@@ -12,7 +12,7 @@ using text::join;
 
 namespace {
 
-constexpr double kNegligible = 1e-9;  // relative to the largest acceleration in the scene, or to gravity
+constexpr double kNegligible = 1e-9;  // smaller accelerations, relative to the scene's largest or gravity, are zero
 
 /// The bodies that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
@@ -39,7 +39,7 @@ State read_state(const Scene& scene, const SceneData& data) {
   return s;
 }
 
-// Returns the topmost joints of the subtrees in which `is` is true throughout, with the number of joints below them.
+// Returns the roots of the largest subtrees in which `is` is true for all joints, with the numbers of joints.
 template <class Test>
 std::vector<std::pair<int, int>> whole_subtrees(const Model& model, Test&& is) {
   std::vector<char> whole(model.joints.size());
@@ -61,7 +61,7 @@ std::vector<std::string> joint_names(const Model& model, const std::vector<std::
   return names;
 }
 
-// No contact, no velocity, no significant acceleration. A floating base cannot be locked.
+// Whether a joint could be locked: no contact, no velocity, no significant acceleration, not a floating base.
 bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int j) {
   const Robot& robot = scene.robots[r];
   const Joint& joint = robot.model->joints[j];

@@ -18,21 +18,21 @@ std::string and_more(std::size_t more, const std::string& what) {
   return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }
 
-// The islands of one kind, represented by the first.
+// The islands of one kind, represented by the first island of the kind.
 struct Subject {
   const Scene& scene;
   const Island& island;
   const IslandKind& kind;
 };
 
-// Whether rows of one of these contacts are nearly dependent, which affects contacts with equal constraints, too.
+// Whether one of `contacts` has nearly dependent rows: advice on these contacts would then be unreliable.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   return std::ranges::any_of(ranks.lighter, [&](const Lighter& l) {
     return l.only_just > 0 && std::ranges::find(contacts, l.contact) != contacts.end();
   });
 }
 
-// Names redundant rows, and the rows that are left.
+// Adds advice that names the redundant rows of an island, and the rows that remain.
 void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   if (!ranks.known || ranks.rank == x.island.nc) return;
@@ -55,9 +55,9 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   advice.push_back(text);
 }
 
-// A replacement for a pair's rows.
+// Contacts that could replace all contacts between two bodies.
 struct Replacement {
-  std::string text;  // empty: no advice
+  std::string text;  // the advice; empty: none
   int rows = -1;     // number of rows; -1: no single contact type replaces them
 };
 
@@ -85,7 +85,7 @@ Replacement replacement(const Scene& scene, const BodyPair& p) {
   return {};
 }
 
-// Recommends one contact for all contacts between the same two bodies, and reports the rows that it leaves.
+// Recommends one contact instead of all contacts between two bodies, and reports the number of rows that remain.
 void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   for (const auto& alike : alike_pairs(x.scene, ranks.pairs)) {

@@ -29,7 +29,7 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Bounds the change of an island's null vector n of J^T by J's inaccuracy. change: from AtRest::change_of_null.
+/// Bounds how much errors of J change an island's vector n with J^T n = 0. change: from AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -54,7 +54,7 @@ class AtRest {
     data_.active = active;
     prepare(scene_, data_);
   }
-  /// Uses the active contacts of a solution, and its dependent rows.
+  /// Makes the scene at rest with the active contacts and the dependent rows of the solution `of`.
   AtRest(const Scene& scene, const SceneData& of) : AtRest(scene, active_of(of), of.options) {
     keep_dependent_as(of, scene_, data_);
   }
@@ -73,7 +73,7 @@ class AtRest {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// J' v per row, the rate of J v if joints do not accelerate; a0 of a point with a velocity has one more term.
+  /// J' v per row: the rate of J v at zero joint acceleration. a0 of a 1D to 3D contact that moves has one more term.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;
@@ -90,11 +90,11 @@ class AtRest {
       return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
     });
   }
-  /// Computes the x of least x^T M x among those of least |J x - wanted|: [M J^T; J 0] [x; -f] = [0; wanted]. Islands
-  /// without a solution get NaN, and the result is false. With damping: min x^T M x + |J x - wanted|^2 / damping.
+  /// Computes the x of least x^T M x among all x of least |J x - wanted|: [M J^T; J 0] [x; -f] = [0; wanted]. If an
+  /// island has no solution, its x is NaN; returns false. With damping: min x^T M x + |J x - wanted|^2 / damping.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
-    // alpha = 1 puts the placement errors into a0; their addition here cancels them
+    // a0 contains the placement errors, because alpha = 1; errors(q) cancels them
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);
     x = data_.a;
@@ -109,15 +109,15 @@ class AtRest {
     }
     return w;
   }
-  /// The inaccuracy E of J, |E| <= inaccuracy (inaccuracy_of), changes a null vector n by J^T dn = -E^T n. Returns, per
-  /// row, the change of n for sum |n_k| = 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
+  /// An error E of J, |E| <= inaccuracy (inaccuracy_of), changes a vector n with J^T n = 0 by J^T dn = -E^T n. Returns
+  /// for each row the change of n for sum |n_k| = 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
   Eigen::VectorXd change_of_null(const Eigen::VectorXd& q, const Eigen::VectorXd& inaccuracy) {
     if (inaccuracy.isZero(0)) return Eigen::VectorXd::Zero(rows());
     const Eigen::VectorXd y = inaccuracy.cwiseProduct(mixed(inaccuracy.size(), 0).cwiseSign());
     (void)solve_tau(scene_, q, zero_, y, errors(q), data_);
     return data_.f;
   }
-  /// Projects v on the motions that the contacts allow, J v = 0, twice as above.
+  /// Projects v on the motions that the contacts allow, J v = 0; twice, to remove rounding errors.
   Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {

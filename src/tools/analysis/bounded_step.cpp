@@ -57,11 +57,11 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = permuted_[iperm_[i]];
 }
 
-// x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). The gradient with respect to a
-// coordinate at its bound is mu (J^T y + x), because J x + e = mu y.
+// Free coordinates: x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). Fixed coordinates
+// are at a bound; the gradient with respect to them is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr int kFullExchanges = 3;  // rounds without fewer wrong bounds, after which one bound is exchanged at a time
+  constexpr int kFullExchanges = 3;  // rounds without progress after which only one wrong bound is exchanged at a time
   constexpr int kMostRounds = 200;
   const Eigen::Index n = J.cols();
   std::vector<char> free(static_cast<std::size_t>(n), 1);

@@ -1,5 +1,5 @@
 #pragma once
-// Solves min |J x + e|^2 + mu |x|^2 over lowest <= x <= highest for a sparse J. All solves share one pattern of J.
+// Solves min |J x + e|^2 + mu |x|^2 over lower <= x <= upper for a sparse J, whose pattern is equal in all solves.
 
 #include <Eigen/SparseCore>
 
@@ -7,12 +7,12 @@
 
 namespace manycontact::internal {
 
-/// The factor of J J^T + mu 1 by sparse LDL in a minimum-degree order. Selected columns of J can be used.
+/// Sparse LDL factor of J J^T + mu 1 in a minimum-degree order, for all or for selected columns of J.
 class NormalMatrix {
  public:
   explicit NormalMatrix(const Eigen::SparseMatrix<double>& J);
 
-  /// Uses the values of J and the columns with counts[j] != 0.
+  /// Factorizes J J^T + mu 1 for the columns j of J with counts[j] != 0.
   void factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu);
   /// y <- (J J^T + mu 1)^-1 y
   void solve(Eigen::VectorXd& y);
@@ -31,7 +31,7 @@ class BoundedStep {
  public:
   explicit BoundedStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// Computes x. Requires mu > 0 and lower <= 0 <= upper, which may be infinite.
+  /// Computes the minimum x. Requires mu > 0 and lower <= 0 <= upper; bounds may be infinite.
   void solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu, const Eigen::VectorXd& lower,
              const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

@@ -16,10 +16,10 @@ namespace manycontact {
 namespace {
 
 constexpr int kMostTries = 400;
-constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // 1/kg
-constexpr double kExact = 1e-14;  // relative to 1 m + max |q|: smaller placement errors are rounding errors
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // damping of contacts, 1/kg
+constexpr double kExact = 1e-14;  // placement errors below this, relative to 1 m + max |q|, are rounding errors
 
-// Returns q with the robots of active contacts moved slightly.
+// Returns a configuration near q: the coordinates of robots with active contacts are changed slightly.
 Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
   const Eigen::VectorXd all = internal::kAside * internal::mixed(scene.nv, 0);
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(scene.nv);
@@ -32,7 +32,7 @@ Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const
   return integrate(scene, q, dq);
 }
 
-// Moves q until the contacts' placement errors vanish, or to a minimum. Returns the number of steps.
+// Moves q until the contacts' placement errors vanish or have a minimum. Returns the number of steps.
 int close_positions(const Scene& scene, const std::vector<char>& active, internal::AtRest& rest, Eigen::VectorXd& q) {
   int steps = 0;
   bool is_aside = false;
@@ -64,7 +64,7 @@ int close_positions(const Scene& scene, const std::vector<char>& active, interna
 double size_of(const PlacementError& e) { return std::max(e.position, e.angle); }
 double size_of(const VelocityError& e) { return std::max(e.linear, e.angular); }
 
-// "contact 'pin', the worst of 3, stays out of place by 0.1 m", for what = "out of place".
+// Returns "contact 'pin', the worst of 3, stays out of place by 0.1 m" for what = "out of place".
 template <class Error>
 std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, const std::string& what) {
   const Error& worst = *std::ranges::max_element(list, {}, [](const Error& e) { return size_of(e); });

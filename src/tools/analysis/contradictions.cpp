@@ -7,9 +7,9 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMissed = 1e-8;  // relative to the largest residual: contacts with smaller ones are left out
+constexpr double kMissed = 1e-8;  // contacts with smaller residuals, relative to the largest, are left out
 
-// Returns the residual J a + a0 + delta f of a contact.
+// Returns the residual J a + a0 + delta f of a contact (rows J, bias a0, damping delta).
 Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {
   const Contact& contact = scene.contacts[c];
   const ContactData<double>& rows = contact_data(scene, data, c);

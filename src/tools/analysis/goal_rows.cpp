@@ -17,14 +17,14 @@ using Mat3d = Mat3<double>;
 
 bool all(const Partial& x) { return x[0] && x[1] && x[2]; }
 
-// Jlog3(w): log3(R exp3(d)) = log3(R) + Jlog3 d.
+// Returns Jlog3(w) with w = log3(R): to first order log3(R exp3(d)) = w + Jlog3(w) d.
 Mat3d log3_derivative(const Vec3d& w) {
   Vec6<double> xi = Vec6<double>::Zero();
   xi.tail<3>() = w;
   return Jlog6<double>(xi).bottomRightCorner<3, 3>();
 }
 
-// Returns the rotation from a unit vector to another: its axis times its angle.
+// Returns the rotation vector (axis times angle) that rotates the unit vector `from` to `to`.
 Vec3d turning(const Vec3d& from, const Vec3d& to) {
   const Vec3d c = from.cross(to);
   const double sine = c.norm(), angle = std::atan2(sine, from.dot(to));
@@ -32,16 +32,16 @@ Vec3d turning(const Vec3d& from, const Vec3d& to) {
   return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
 }
 
-// A rotation error: the rows of e, and their Jacobian with respect to the frame's angular velocity in its own axes.
+// A rotation error: rows e, and the Jacobian of e with respect to the frame's angular velocity in the frame's axes.
 struct Turned {
   Eigen::VectorXd e;
   Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
   double angle = 0;  // remaining angle
 };
 
-// One or two prescribed angles, other than yaw alone, with their rates as functions of local angular velocity.
+// Returns the errors of the prescribed angles among roll, pitch, yaw, and these angles' rates by angular velocity.
 Turned by_angles(const Mat3d& R, const Partial& rpy) {
-  constexpr double kLeastCosine = 1e-3;  // below it the angles are not defined
+  constexpr double kLeastCosine = 1e-3;  // cosine of pitch below which roll and yaw are not defined
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
   const double roll = std::atan2(R(2, 1), R(2, 2)), yaw = std::atan2(R(1, 0), R(0, 0));
   const double s = std::sin(roll), c = std::cos(roll);
@@ -71,7 +71,7 @@ Turned turned_from(const Mat3d& R, const Goal& goal) {
     out.e = w;
     out.of_spin = log3_derivative(w);
     out.angle = w.norm();
-  } else if (rpy[0] && rpy[1]) {  // the world's z in the frame's axes, which rotates by minus the frame's spin
+  } else if (rpy[0] && rpy[1]) {  // error of the world's z axis, seen from the frame
     const Vec3d wanted = rotation_of_rpy(*rpy[0], *rpy[1], 0).transpose().col(2);
     const Vec3d w = turning(R.transpose().col(2), wanted);
     const Eigen::Matrix<double, 2, 3> T = across(wanted);
@@ -90,14 +90,14 @@ RigidBodies bodies_of(const Scene& scene, int robot) {
 
 }  // namespace
 
-// Receives the rows of one goal.
+// Appends the rows of one goal to e_ and J_.
 struct GoalRows::Rows {
   GoalRows& to;
   bool with_jacobian;
   double root;  // square root of the goal's weight
   GoalLeft left = {};
 
-  // Appends a row's error; returns its number.
+  // Appends a row with the error e; returns the row's number.
   int add(double e) {
     to.e_.push_back(root * e);
     return static_cast<int>(to.e_.size()) - 1;
@@ -173,7 +173,7 @@ void GoalRows::frame_rows(const Goal& goal, Rows& rows) {
   const SE3<double> M = placed(goal.frame);
   const Turned turned = turned_from(M.R, goal);
   std::vector<int> chain;
-  Mat6X<double> J;  // local
+  Mat6X<double> J;  // frame Jacobian in the frame's axes
   if (rows.with_jacobian) {
     chain = dof_chain(model, goal.frame.joint);
     J.resize(6, model.nv);
@@ -224,7 +224,7 @@ Vec3d GoalRows::middle(const std::vector<Attachment>& frames) const {
   return frames.empty() ? sum : Vec3d(sum / static_cast<double>(frames.size()));
 }
 
-// Subtracts from a row the motion of the mean of frames along an axis of the world.
+// Subtracts from a row of J the motion of the mean of the origins of `frames` along a world axis.
 void GoalRows::take_middle(const std::vector<Attachment>& frames, int axis, int row, Rows& rows) {
   if (!rows.with_jacobian) return;
   for (const Attachment& frame : frames) {
@@ -246,7 +246,7 @@ void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
   (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
 }
 
-// Rows and axes are the contact's. For 6D, position and rotation have separate rows that vanish where log6 does.
+// Adds a contact's rows in its own axes. A 6D contact has p and log3(R) instead of log6, which vanish together.
 void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
   const Contact& contact = scene_.contacts[goal.contact];
   const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();

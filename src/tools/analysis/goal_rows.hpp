@@ -16,7 +16,7 @@ class GoalRows {
   GoalRows(const Scene& scene, const std::vector<Goal>& goals);
 
   Eigen::VectorXd errors(const Eigen::VectorXd& q);
-  /// J at the q of the last call of errors, rows x nv. Its pattern is the same for all q.
+  /// The Jacobian (rows x nv) at the q of the last call of errors. Its sparsity pattern is the same for all q.
   Eigen::SparseMatrix<double> jacobian();
   /// The remaining error of each goal, without weights, at the q of the last call of errors.
   const std::vector<GoalLeft>& left() const { return left_; }

@@ -4,8 +4,8 @@
 
 namespace manycontact::internal {
 
-/// Levenberg-Marquardt parameters. A failed step is repeated with ten times the damping, within `least` and `most`; a
-/// successful one divides it by ten. Below `least` it is `floor`, which is 0 or `least`.
+/// Levenberg-Marquardt parameters. A failed step multiplies the damping by ten, within `least` and `most`. A successful
+/// step divides the damping by ten; if the result is below `least`, it is set to `floor` (0 or `least`).
 struct Damping {
   double floor = 0, least = 0, most = 0;
 };
@@ -15,7 +15,7 @@ struct Descent {
   int tries = 0;
 };
 
-constexpr double kProgress = 1e-10;  // relative to |e|: smaller decreases are no progress
+constexpr double kProgress = 1e-10;  // least relative decrease of |e| for which a step counts as successful
 
 /// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` computes dq, or returns false if there
 /// is none. `move(q, dq)` returns the next q. `ends(q, e)` returns whether to stop.
@@ -41,11 +41,11 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-constexpr double kAside = 1e-3;  // m, rad: step aside; also the least relative decrease of |e| to continue
-constexpr double kReach = 1;     // m, rad: longest step of the search from there, where J is nearly singular
+constexpr double kAside = 1e-3;  // m, rad: step off a saddle; also the least relative decrease of |e| to continue
+constexpr double kReach = 1;     // m, rad: longest step of a search from near a saddle, where J is nearly singular
 
-/// Calls descend(q), which ends where |e| is stationary: a minimum, or a saddle such as straight knees. It is called
-/// again from aside(q), nearby, as long as that reduces e. size(q): |e|, or 0 if that counts as zero.
+/// Calls descend(q), which ends where |e| is stationary: a minimum, or a saddle such as straight knees. Then calls
+/// descend again from aside(q), a point nearby, as long as |e| decreases. size(q): |e|, or 0 if |e| counts as zero.
 template <class Descend, class Aside, class Size>
 void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& size) {
   descend(q);
@@ -55,7 +55,7 @@ void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& si
     descend(next);
     const double then = size(next);
     if (!(then < left)) break;
-    const bool same = then > (1 - kAside) * left;  // the same minimum, only closer
+    const bool same = then > (1 - kAside) * left;  // not a better minimum, only closer to it
     left = then;
     q = next;
     if (same) break;

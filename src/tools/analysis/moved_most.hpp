@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// ", q most of all of r/knee, by 0.1"; "" if nothing moved by more than the rounding of numbers in files.
+/// Returns ", q most of all of r/knee, by 0.1" for what = "q"; "" if x is below the rounding of numbers in files.
 inline std::string moved_most(const std::string& what, const std::vector<std::string>& names,
                               const Eigen::VectorXd& x) {
   Eigen::Index k = 0;

@@ -18,7 +18,7 @@ const Frame* nearest_frame(const Model& model, int joint, const Vec3<double>& po
   return nearest;
 }
 
-// Names of numbered items; runs of more than kMostNeighbours consecutive ones that belong together as "first .. last".
+// Names numbered items. More than kMostNeighbours consecutive items with together(...) are named "first .. last".
 template <class Name, class Together>
 std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, Together&& together) {
   std::vector<std::string> names;
@@ -34,7 +34,7 @@ std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, T
   return names;
 }
 
-// "robot/frame" for the frame that an attachment was made from; "" if it is unknown.
+// Returns "robot/frame" of the frame that an attachment was made from; "" if the frame is unknown.
 std::string frame_name(const Scene& scene, const Attachment& at) {
   return at.frame.empty() || at.robot < 0 ? at.frame : scene.robots[at.robot].name + "/" + at.frame;
 }

@@ -6,7 +6,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// How far x may move along p, at most `most`, and the coordinate that stops it, or -1.
+// Returns how far x may move along p within the bounds, at most `most`. stopped: the coordinate at its bound, or -1.
 double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Eigen::VectorXd& lower,
                     const Eigen::VectorXd& upper, double most, Eigen::Index& stopped) {
   stopped = -1;
@@ -20,7 +20,7 @@ double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Ei
 
 }  // namespace
 
-// z = (J^T J + mu 1)^-1 r = (r - J^T (J J^T + mu 1)^-1 J r) / mu in the free coordinates.
+// Computes z = (J^T J + mu 1)^-1 r = (r - J^T (J J^T + mu 1)^-1 J r) / mu in the free coordinates.
 void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, const Eigen::VectorXd& r,
                               Eigen::VectorXd& z) {
   z = r;
@@ -36,8 +36,8 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
 // H is the Hessian and g the gradient at x = 0. With r = -(g + H x) the model decreases by (r - g)^T x / 2.
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
-  constexpr double kDifference = 1e-6;  // step of finite differences [rad, m]; errors of the products are as large
-  constexpr double kSolved = 1e-3;      // relative to g: the iteration ends below this residual
+  constexpr double kDifference = 1e-6;  // step of finite differences [rad, m]; relative error of Hessian products
+  constexpr double kSolved = 1e-3;      // the iteration ends if the residual, relative to g, is below this
   const Eigen::Index n = J.cols();
   const Eigen::VectorXd g = gradient(Eigen::VectorXd::Zero(n));
   Eigen::VectorXd r = -g, z, p, Hp;

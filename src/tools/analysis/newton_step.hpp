@@ -1,6 +1,6 @@
 #pragma once
-// Newton steps for min |e(q)|^2 / 2 within limits. The Gauss-Newton Hessian J^T J lacks the goals' curvature sum e_i
-// e_i'', and converges slowly where e remains large.
+// Newton steps for min |e(q)|^2 / 2 within limits. The Gauss-Newton Hessian J^T J lacks the curvature term
+// sum e_i e_i'', so that Gauss-Newton steps converge slowly if e remains large.
 
 #include <functional>
 
@@ -9,8 +9,8 @@
 namespace manycontact::internal {
 
 /// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit.
-/// Hessian products are differences of J^T e, preconditioned by J^T J + |e| 1. A coordinate that reaches its limit
-/// stays there; a direction of negative curvature is followed up to a limit.
+/// Hessian products are finite differences of J^T e; the preconditioner is J^T J + |e| 1. A coordinate that reaches its
+/// limit remains there. A direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
   /// gradient(dq) returns J^T e at q (+) dq.
@@ -18,7 +18,7 @@ class NewtonStep {
 
   explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// Computes x within finite bounds; returns by how much the quadratic model expects |e|^2 / 2 to decrease.
+  /// Computes the step x within finite bounds. Returns the decrease of |e|^2 / 2 that the quadratic model predicts.
   double solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

@@ -36,7 +36,7 @@ void CoordinateLimits::of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, E
     if (moved_by[i] >= 0) low[moved_by[i]] = lower[i] - q[i], high[moved_by[i]] = upper[i] - q[i];
 }
 
-// Rounding errors of positions as large as q count as zero.
+// Whether all goals are met: errors up to the tolerance, or up to rounding errors of positions as large as q, are zero.
 bool PlaceSearch::exact(const Eigen::VectorXd& q, const Eigen::VectorXd& e) const {
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * (q.size() ? 1 + q.cwiseAbs().maxCoeff() : 1);
   return e.size() == 0 || e.cwiseAbs().maxCoeff() <= std::max(options_.tolerance, rounding);
@@ -76,10 +76,10 @@ void PlaceSearch::descend(Eigen::VectorXd& q, int most_tries) {
   tries_ += newton(q, most_tries - tries_);
 }
 
-// Ends on convergence, or when kSlow steps in a row reduce |e| by less than kLeastGain.
+// Makes Gauss-Newton steps until convergence, or until kSlow steps in a row reduce |e| by less than kLeastGain.
 int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
   constexpr double kLeastGain = 0.1;
-  constexpr int kSlow = 3;  // limits that are met on the way shorten one or two steps
+  constexpr int kSlow = 3;  // one or two steps may be short only because coordinates reach their limits
   double last = kInfinity;
   int slow = 0;
   return levenberg_marquardt(
@@ -102,7 +102,7 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
 
 // Takes Newton steps within a box (trust region) of equal size in radians and metres.
 int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
-  constexpr double kPoor = 0.25, kGood = 0.75;  // actual / expected decrease: below it shrinks, above it grows
+  constexpr double kPoor = 0.25, kGood = 0.75;  // the box shrinks or grows if actual / expected decrease is outside
   int tries = 0;
   double radius = 1;
   Eigen::VectorXd e = rows_.errors(q), dq;
@@ -130,7 +130,7 @@ int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
   return tries;
 }
 
-// Moves the coordinates that goals depend on by kAside, away from their limits.
+// Returns q with the coordinates that goals depend on moved by up to kAside, within their limits.
 Eigen::VectorXd PlaceSearch::aside(const Eigen::VectorXd& q) {
   look_at(q);
   reach_ = kReach;

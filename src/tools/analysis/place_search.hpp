@@ -9,11 +9,11 @@
 
 namespace manycontact::internal {
 
-/// Limits of the coordinates of q, infinite if there are none, and the coordinate of v that moves each of them alone.
+/// Limits of the coordinates of q (infinite: no limit), and for each the coordinate of v that moves only it, or -1.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  /// Computes the limits of a step from q.
+  /// Computes the bounds low, high (nv) of a step from q.
   void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
 
   Eigen::VectorXd lower, upper;
@@ -33,7 +33,7 @@ class PlaceSearch {
   int tries() const { return tries_; }
   /// Whether the last run ended because it ran out of steps.
   bool out_of_steps() const { return out_of_steps_; }
-  /// Whether a goal depends on a robot's coordinates. After a run.
+  /// Whether a goal depends on a robot's coordinates; call it after a run.
   bool moves(int robot) const;
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
 
@@ -52,9 +52,9 @@ class PlaceSearch {
   GoalRows rows_;
   int tries_ = 0;
   bool out_of_steps_ = false;
-  double reach_ = std::numeric_limits<double>::infinity();  // largest entry of a Gauss-Newton step
+  double reach_ = std::numeric_limits<double>::infinity();  // bound of the entries of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from there
+  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from this q
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

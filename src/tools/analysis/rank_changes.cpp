@@ -11,10 +11,10 @@ namespace manycontact {
 namespace {
 
 constexpr int kRankProbes = 2;
-constexpr double kNoChange = 1e-8;   // relative to the terms of B(z, y): smaller values are rounding errors
+constexpr double kNoChange = 1e-8;   // smaller values of B(z, y), relative to its terms, are rounding errors
 constexpr int kFactors = 3;          // number of factors of B(z, y), each of which an error of J may change
-constexpr double kNoMotion = 1e-9;   // relative to the projected vector: smaller projections count as no motion
-constexpr double kMostLooked = 1e5;  // contacts times coordinates: in larger islands the coordinate is not searched for
+constexpr double kNoMotion = 1e-9;   // smaller projections, relative to the projected vector, count as no motion
+constexpr double kMostLooked = 1e5;  // largest contacts times coordinates for which RankChange::coordinate is found
 
 // Test vectors for all islands at once: n in the null space of J^T, z an allowed motion, y any motion.
 class Probe {
@@ -49,8 +49,8 @@ class Probe {
     }
     return out;
   }
-  // For each of the islands, the coordinate that contributes most to n^T dJ[z] z in a singular configuration, otherwise
-  // that of the largest entry of n^T dJ[z]. One pass per coordinate serves all islands, which are independent.
+  // Returns for each island the coordinate that contributes most to n^T dJ[z] z in a singular configuration, otherwise
+  // the coordinate of the largest entry of n^T dJ[z]. Pass k examines coordinate k of all islands at once.
   std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;

@@ -17,9 +17,9 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostWork = 3e9;    // most multiplications of one dense rank: a second or two
+constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation: a second or two
 constexpr int kMostThresholds = 4;   // most trial values of RowRemainders::dependent
-constexpr double kSamePoint = 1e-9;  // relative to the extent of the points
+constexpr double kSamePoint = 1e-9;  // points closer than this, relative to the extent of all points, coincide
 
 struct Examined {
   const Scene& scene;
@@ -31,7 +31,7 @@ struct Examined {
   const ContactData<double>& numbers(int position) const {
     return contact_data(scene, data, island.contacts[position]);
   }
-  /// Positions of all contacts; empty if the island is too deep for rows in joint space.
+  /// Positions of all contacts in the island; empty if the island is too deep for rows in joint space.
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
     std::iota(out.begin(), out.end(), 0);
@@ -41,7 +41,7 @@ struct Examined {
   }
 };
 
-// Returns J^T of some contacts of an island, restricted to the columns they act on, with each row of J relative to its
+// Returns J^T of some contacts of an island, only coordinates that they act on, with each row of J relative to its
 // size. Remainders up to tolerance::kRank count as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // key: column of the island; value: column of the result
@@ -66,7 +66,7 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   return Jt;
 }
 
-// The norm of each column of J^T orthogonal to the earlier ones above `dependent`, by two passes of Gram-Schmidt.
+// Returns the norm of each column of J^T orthogonal to earlier columns whose norm is above `dependent` (Gram-Schmidt).
 std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
@@ -81,13 +81,13 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   return left;
 }
 
-// Whether the solve determined the rank of an island, to which its accelerations and forces belong.
+// Whether the last solve determined the rank of an island: undamped, and not failed.
 bool has_rank(const Scene& scene, const IslandReport& report) {
   return scene.damping == 0 && report.status != Status::kFailed;
 }
 
-// Remainders of an island's rows. The solver tests other numbers (pivots of K, rows within a tolerance) and may keep a
-// row below tolerance::kRank or drop one above: `dependent` yields as many rows as the solver kept.
+// Returns the remainders of an island's rows. The solver tests pivots of K instead, and may keep a row below
+// tolerance::kRank or drop a row above: `dependent` is chosen such that equally many rows are independent.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
   internal::RowRemainders out;
   out.left = remainders_of(Jt, out.dependent);
@@ -107,14 +107,14 @@ internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& re
   return out;
 }
 
-// The number of diagonal entries of a pivoted QR above `least`.
+// Returns the number of diagonal entries above `least` in a pivoted QR of J^T.
 int rank_of(const Eigen::MatrixXd& Jt, double least) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
 
-// Positions in the island of the contacts between each pair of bodies.
+// Returns for each pair of bodies the contacts between them, as positions in the island.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
   std::map<std::pair<Body, Body>, std::vector<int>> sorted;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -125,7 +125,7 @@ std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& sc
   return sorted;
 }
 
-// The points on body A, one per contact; empty if a contact has its frame A on the other body.
+// Returns the contact points on body A, one per contact; none if a contact has its frame A on body B.
 std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   std::vector<Vec3<double>> points;
   for (int c : pair.contacts) {
@@ -135,7 +135,7 @@ std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   return points;
 }
 
-// 0: the points coincide, 1: they are on a line, 2: neither.
+// Returns 0 if the points coincide, 1 if they are on a line, otherwise 2.
 int spread(const std::vector<Vec3<double>>& points) {
   Vec3<double> direction = Vec3<double>::Zero();
   for (const Vec3<double>& p : points)
@@ -173,7 +173,7 @@ Holds what_holds(const Examined& x, const std::vector<int>& positions, double le
 BodyPair examine(const Examined& x, const std::vector<int>& positions, double least) {
   BodyPair pair;
   const Contact& first = x.contact(positions[0]);
-  const bool turned = body_of(first.A).joint < 0;  // the moving body goes first
+  const bool turned = body_of(first.A).joint < 0;  // pair.A must be a body that moves
   pair.A = body_of(turned ? first.B : first.A);
   pair.B = body_of(turned ? first.A : first.B);
   std::vector<const Attachment*> on_A, on_B;
@@ -192,7 +192,7 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// The lightest type at the contact's frame with the same rank. least: least remainder of an independent row.
+// Returns the contact type with fewest rows at the same frame and of the same rank. least: remainder that is not zero.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };
@@ -206,7 +206,7 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   return "";
 }
 
-// The name of a contact of which only some rows are kept.
+// Returns the name of a contact of which only `rows` are kept.
 std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   std::vector<std::string> names;
   for (int r : rows) names.push_back(row_name(contact, r));
@@ -218,7 +218,7 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   return text::join(names);
 }
 
-// Whether only rows between the same two bodies are dependent: geometry, which the solver found without testing pivots.
+// Whether all dependent rows are those of contacts between two bodies, which the solver finds without testing pivots.
 bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
   const SceneData& solved = data_solved(data);
   const IslandReport& report = solved.report.islands[number];

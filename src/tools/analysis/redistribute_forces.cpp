@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-/// The part of N that belongs to an island: its rows of f, and a basis restricted to them.
+/// The part of the null-space basis N that belongs to an island: the island's rows of f, and N in these rows.
 struct IslandBasis {
   std::vector<int> rows;
   Eigen::MatrixXd N;
@@ -18,7 +18,7 @@ struct IslandBasis {
 
 int nullity(const IslandReport& report) { return report.status == Status::kFailed ? 0 : report.nc - report.rank; }
 
-/// Orthonormal columns that span those of W.
+/// Returns orthonormal columns that span the columns of W.
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& W) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(W).householderQ() * Eigen::MatrixXd::Identity(W.rows(), W.cols());
 }
@@ -48,7 +48,7 @@ std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, c
     most = std::max(most, n);
   }
   if (bases.empty()) return bases;
-  Scene in_newtons = scene;  // so that the projection is on the null space itself
+  Scene in_newtons = scene;  // moment_length 1 makes the projection orthogonal in the units of f
   in_newtons.moment_length = 1;
   internal::AtRest rest(in_newtons, internal::active_of(data), data.options);
   for (int pass = 0; pass < 2; ++pass) {

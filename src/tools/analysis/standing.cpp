@@ -17,7 +17,7 @@ using Point = Eigen::Vector2d;
 
 double cross(const Point& a, const Point& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-// The convex polygon around the points, counterclockwise (Andrew's monotone chain).
+// Returns the convex hull of the points, counterclockwise (Andrew's monotone chain).
 std::vector<Point> hull(std::vector<Point> points) {
   const auto before = [](const Point& a, const Point& b) { return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1]; };
   std::vector<Point> out;
@@ -29,13 +29,13 @@ std::vector<Point> hull(std::vector<Point> points) {
       while (out.size() > first + 1 && cross(out.back() - out[out.size() - 2], p - out.back()) <= 0) out.pop_back();
       out.push_back(p);
     }
-    out.pop_back();  // the other side begins with it
+    out.pop_back();  // the last point of this half is the first point of the other half
   }
   if (out.empty()) out.push_back(points.front());
   return out;
 }
 
-// The distance of c from the polygon if it is outside, otherwise 0.
+// Returns the distance of the point c from the polygon; 0 if c is inside.
 double outside(const Point& c, const std::vector<Point>& polygon) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = polygon.size() > 2;
@@ -52,15 +52,15 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
 
 // Contacts of a robot with the ground.
 struct Ground {
-  bool told = true;    // whether no other contact or spring supports the robot
-  bool soles = false;  // whether a contact transmits moments over an unknown area
+  bool told = true;    // whether the robot is supported only by contacts with the ground
+  bool soles = false;  // whether a 6D contact without a box exists: its area is unknown
   std::vector<Attachment> feet;
   std::vector<Point> corners;
   double height = 0;  // mean height of the feet
 };
 
 void stand_on(const Contact& contact, const SE3<double>& A, Ground& ground) {
-  constexpr double kUpright = 0.7;  // least z of a supporting normal; others press against walls
+  constexpr double kUpright = 0.7;  // least z of a ground contact's normal; with less, the contact is with a wall
   const Mat3<double> B = contact.B.placement.R;
   if (contact_normal(contact, A.R, B)[2] < kUpright) ground.told = false;
   ground.feet.push_back(contact.A);

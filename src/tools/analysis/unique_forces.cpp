@@ -10,8 +10,8 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kNullProbes = 2;    // a component vanishes in both projections by accident in one case of 1e18
-constexpr double kNoPart = 1e-9;  // relative to the largest component of a projection: smaller ones are zero
+constexpr int kNullProbes = 2;    // random projections: a component vanishes by chance in all with probability 1e-18
+constexpr double kNoPart = 1e-9;  // smaller components, relative to the projection's largest, are zero
 
 }  // namespace
 

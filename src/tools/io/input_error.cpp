@@ -5,7 +5,7 @@
 namespace manycontact {
 namespace {
 
-// Control characters from names in the input would break the line.
+// Returns "FILE:LINE: message" with blanks instead of control characters, which names in the input may contain.
 std::string one_line(const std::string& file, int line, const std::string& message) {
   std::string text = file + ":" + std::to_string(line) + ": " + message;
   for (char& c : text)

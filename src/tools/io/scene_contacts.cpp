@@ -81,7 +81,7 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
       contact.B = c.ends.B.on(target, c.B_offset);
-    else if (contact.normal)  // the world's normal rotates with the copy
+    else if (contact.normal)  // a normal in world axes rotates with the copy's base
       contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);

@@ -80,7 +80,7 @@ class IncludeReader {
     const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
-    // settings of the whole scene in an included file must equal those of the including one
+    // scene-wide settings of an included file must equal the settings of the including file
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity differs from that of the including scene, expected the same");
     for (const char* name : {"damping", "tolerance", "moment_length"})

@@ -16,7 +16,7 @@ SE3<double> offset(const Element& e, const char* attribute) {
   return at;
 }
 
-// Returns the name in the file, numbered if each copy has one, or `otherwise` if there is none.
+// Returns the element's name, followed by the copy's number if `copied`; `otherwise` if the element has no name.
 std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
   if (!e.has("name")) return otherwise;
   const std::string name = e.not_empty("name");

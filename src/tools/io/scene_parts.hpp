@@ -20,11 +20,11 @@ struct SceneElements {
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
-/// Adds the name of an element, and refuses a duplicate. what: "a robot".
+/// Adds an element's name to `names`. Throws InputError for a duplicate. what: kind of element, for the message.
 void add_name(const Element& e, const std::string& what, const std::string& name,
               std::unordered_map<std::string, Where>& names);
 
-/// Calls `add`, and reports its std::invalid_argument at the element.
+/// Calls `add`; rethrows its std::invalid_argument as an InputError at the element.
 template <class Add>
 void add_or_fail(const Element& e, Add&& add) {
   try {
@@ -34,7 +34,7 @@ void add_or_fail(const Element& e, Add&& add) {
   }
 }
 
-/// A <robot> element as read.
+/// The content of a <robot> element.
 struct RobotElement {
   explicit RobotElement(const Element& e) : element(e) {}
 
@@ -42,11 +42,11 @@ struct RobotElement {
   RobotGroup group;
   UrdfOptions options;
   bool gravity_torques = false;           // u="gravity"
-  std::map<std::string, Element> joints;  // <joint>, by joint
-  std::map<std::string, Element> locks;   // <lock>, by joint
+  std::map<std::string, Element> joints;  // <joint> children by joint name
+  std::map<std::string, Element> locks;   // <lock> children by joint name
 };
 
-/// Configuration, velocity and torques of one robot; for a copied robot, before the copies are arranged.
+/// Configuration, velocity and torques of one robot, before `arrange` moves copies.
 struct RobotState {
   Eigen::VectorXd q, v, u;
 };
@@ -60,13 +60,13 @@ SE3<double> read_base(const Element& robot);
 /// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
 void add_robots(const std::vector<Element>& elements, SceneFile& out);
 
-/// One end of a contact or spring, written as "robot/link". The name of a copied robot means all its copies.
+/// One end of a contact or spring: "robot/link", "copies/link" for all copies, or "copies+k/link" for shifted copies.
 struct End {
   int first = -1;        // the robot, or the first copy
   int count = 1;         // number of copies
   bool copied = false;   // whether the name means all copies
-  bool shifted = false;  // whether +k or -k is given
-  long long shift = 0;   // k
+  bool shifted = false;  // whether the name has +k or -k
+  long long shift = 0;   // k: copy i of the other end is paired with copy i + k
   Frame frame;
 
   /// The attachment to the frame on a robot, with an offset in the frame's axes.
@@ -75,11 +75,11 @@ struct End {
   }
 };
 
-/// The two ends of a contact or a spring: `frame`, and `to` if given, which has as many copies.
+/// The two ends of a contact or a spring: attributes `frame` (A) and `to` (B, if given), with equal numbers of copies.
 struct EndPair {
   End A, B;
   bool to_robot = false, wrap = false;
-  /// The robot of B that belongs to copy i of A; nullopt if none does.
+  /// The robot of B that is paired with copy i of A; nullopt if there is none.
   std::optional<int> target(int i) const;
 };
 
@@ -88,7 +88,7 @@ class EndReader {
  public:
   explicit EndReader(const SceneFile& scene);
 
-  /// Reads a required attribute.
+  /// Reads the end in a required attribute.
   End read(const Element& e, const char* attribute);
   /// Reads an attribute without +k and -k; a copied robot's name means all copies.
   End read_first(const Element& e, const char* attribute);
@@ -121,7 +121,7 @@ void add_poses(const std::vector<Element>& elements, SceneFile& out);
 /// Reads the attribute reference_frame; `local` if it is missing.
 ReferenceFrame read_reference_frame(const Element& e);
 
-/// Normalises a quaternion x, y, z, w; refuses one whose norm differs from 1 by more than 1e-6.
+/// Normalises a quaternion x, y, z, w. Throws InputError if its norm differs from 1 by more than 1e-6.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);
 
 /// Reads a rotation from an attribute x y z w; returns false if it is missing.

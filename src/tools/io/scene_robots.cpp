@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostCopies = 1000000;
 
-// The <joint> or <lock> children by joint name; each joint may occur once.
+// Returns the <joint> or <lock> children by joint name. Throws InputError if a joint occurs twice.
 std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
   std::map<std::string, Element> out;
   for (const Element& e : robot.children(child)) {
@@ -63,7 +63,7 @@ void read_options(const Element& e, RobotElement& robot) {
   }
 }
 
-// Relative URDF paths start in the folder of the element's file.
+// Reads a <robot> element. A relative URDF path starts in the folder of the element's file.
 RobotElement read_robot(const Element& e) {
   e.allow({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies", "arrange",
            "spacing", "root"},
@@ -91,7 +91,7 @@ RobotElement read_robot(const Element& e) {
   return robot;
 }
 
-// Models by file and options: equal robots share one.
+// Models by file and options: robots with equal file and options share one model.
 class ModelCache {
  public:
   // Returns the robot's model. Findings are added once for all robots that share a model.
@@ -127,7 +127,7 @@ class ModelCache {
 };
 
 struct Arrangement {
-  int kind = 0;  // line, circle, grid
+  int kind = 0;  // 0: line, 1: circle, 2: grid
   double spacing = 1;
   int count = 1;
 
@@ -136,7 +136,7 @@ struct Arrangement {
     if (kind == 0) {
       translation = Vec3<double>(i * spacing, 0, 0);
     } else if (kind == 1) {
-      // neighbours `spacing` apart: chord = 2 r sin(pi / n)
+      // the distance of neighbours, a chord, is spacing = 2 r sin(pi / n)
       const double radius = count > 1 ? spacing / (2 * std::sin(std::numbers::pi / count)) : 0;
       yaw = 2 * std::numbers::pi * i / count;
       translation = Vec3<double>(radius * std::cos(yaw), radius * std::sin(yaw), 0);
@@ -166,7 +166,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   q.head<3>() += translation;
 }
 
-// q, v, u of the scene while robots are added.
+// The scene's q, v, u, to which each added robot appends its own.
 struct Growing {
   std::vector<double> q, v, u;
   static void append(std::vector<double>& to, const Eigen::VectorXd& x) {
@@ -219,7 +219,7 @@ bool is_neighbour(const std::string& name, const std::set<std::string>& copied) 
          name.find_first_not_of("0123456789", sign + 1) == std::string::npos && copied.count(name.substr(0, sign)) > 0;
 }
 
-// Checks that each name means one robot, or the copies of one.
+// Checks that each name refers to one robot, or to the copies of one robot.
 void check_names(const SceneFile& file, const std::unordered_map<std::string, Where>& names) {
   std::set<std::string> copied;
   for (const RobotGroup& group : file.robot_groups)

@@ -75,7 +75,7 @@ class StateReader {
     element.where("name").fail(no_joint(model_, name));
   }
 
-  // Fills x from <q> or the joints' q=; returns whether that includes a floating base.
+  // Fills x from the child <q> (<v>, <u>) or from attributes of <joint>. Returns whether a floating base is included.
   bool read_quantity(const Quantity& what, Eigen::VectorXd& x) {
     const bool floating = model_.floating_base;
     const auto whole = robot_.element.child(what.letter);

@@ -1,4 +1,4 @@
-// Activations, and bounds of barriers and constraints.
+// Reads activations, and bounds of barriers and constraints.
 
 #include <limits>
 

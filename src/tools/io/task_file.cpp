@@ -41,7 +41,7 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
   }
 }
 
-// Returns the external wrenches with a name: one, or those of all copies.
+// Returns the indices of the external wrenches called `name`: one wrench, or the wrenches of all copies.
 std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
   if (const auto found = scene.wrench_index.find(name); found != scene.wrench_index.end()) return {found->second};
   std::vector<int> out;
@@ -117,7 +117,7 @@ void read_solver(const Element& e, TaskFile& out) {
   out.guess = static_cast<TaskGuess>(e.choice("guess", {"quasi_static", "zero"}, 0));
 }
 
-// Returns the only child with that name, if any; a second one is an error.
+// Returns the only child called `name`, if there is one. Throws InputError for a second child of this name.
 std::optional<Element> only_child(const Element& e, const char* name) {
   const std::vector<Element> all = e.children(name);
   if (all.size() > 1)

@@ -11,9 +11,9 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// Reads a term of a phase with these active contacts. terminal: whether it belongs to the terminal node.
+  /// Reads a term of a phase with the contacts flagged `active`. terminal: whether the phase is the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
-  /// Indices of the scene's contacts with a name: one, or all copies.
+  /// Returns the indices of the scene's contacts called `name`: one contact, or all copies of a contact.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;
 
  private:
@@ -28,7 +28,7 @@ class TermReader {
   EndReader ends_;
 };
 
-/// Refuses attributes of other residuals.
+/// Throws InputError for attributes that only other residuals have.
 void check_attributes(const Element& e, TaskResidual residual);
 
 /// Whether an attribute, such as `frame` or `contact`, belongs to a residual.

@@ -12,7 +12,7 @@ namespace {
 
 struct Kind {
   const char* name;
-  const char* alias;  // lower-case name of the class in module action, if different; or null
+  const char* alias;  // lower-case name of the residual's class in module action if it differs; null: it does not
   bool of_state;      // whether it depends only on the state, not on controls, accelerations or forces
   int rows;           // number of rows; 0: as many as the robot or the contact has
   std::vector<const char*> attributes;

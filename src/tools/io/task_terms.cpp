@@ -36,7 +36,7 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   return term;
 }
 
-// Reads the frame of a frame residual, otherwise the robot if there is one.
+// Reads the attribute `frame` of a frame residual; for other residuals the attribute `robot`, if it is given.
 void TermReader::read_subject(const Element& e, TaskTerm& term) {
   const bool of_frame = takes(term.residual, "frame");
   const char* attribute = of_frame ? "frame" : "robot";

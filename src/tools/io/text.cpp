@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLargestFile = std::size_t(1) << 28;
 constexpr bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
-// Returns infinity if the word is "inf" or exceeds the largest double.
+// Parses one number. Returns infinity if the word is "inf" or exceeds the largest double.
 double parse_any_word(const Where& where, const std::string& what, std::string_view word) {
   std::string_view digits = word;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);

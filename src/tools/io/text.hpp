@@ -23,8 +23,8 @@ std::string read_file(const std::string& path, std::string& problem);
 /// Reads a whole file; on failure throws InputError, which reports that `what` was expected.
 std::string read_file_of(const std::string& path, const std::string& what);
 
-/// Returns why `path` cannot be opened for reading, or "". With only_regular, devices and pipes are refused: paths in
-/// files must not name something without an end.
+/// Returns why `path` cannot be opened for reading, or "". With only_regular, devices and pipes, which may be endless,
+/// are refused: for paths in files.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
 /// Decodes the bytes of the file `path` according to its byte order mark or declaration: UTF-8 (the default), UTF-16,
@@ -33,13 +33,13 @@ std::string file_problem(const std::string& path, bool only_regular = false);
 /// may contain any bytes.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
-/// The shortest decimal that reads back as x.
+/// Returns the shortest decimal that reads back as x.
 std::string show(double x);
 
-/// Splits at white space.
+/// Splits `text` at white space.
 std::vector<std::string_view> words(std::string_view text);
 
-/// Parses one finite number. `what` names it in messages.
+/// Parses one finite number. what: the number's name in error messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);
 /// Parses one number; "inf", "-Infinity" and numbers beyond 1.8e308 are infinite.
 double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text);
@@ -48,7 +48,7 @@ std::vector<double> parse_numbers(const Where& where, const std::string& what, s
 /// Parses exactly `count` finite numbers.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text,
                                   std::size_t count);
-/// Parses a whole number from 0 to 2^31 - 1, such as 100000 or 1e5; returns -1 if `text` is none.
+/// Parses a whole number from 0 to 2^31 - 1, such as 100000 or 1e5. Returns -1 if `text` is not such a number.
 int parse_count(std::string_view text);
 
 }  // namespace manycontact::io

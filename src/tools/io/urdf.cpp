@@ -19,7 +19,7 @@ using io::UrdfJoint;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Silences urdfdom, without any output handler: urdfdom uses names from the file as printf formats.
+// Silences urdfdom by removing its output handler: urdfdom would use names from the file as printf formats.
 class Silence {
  public:
   Silence() : lock_(mutex()) { console_bridge::noOutputHandler(); }
@@ -65,7 +65,7 @@ Vec3<double> axis_of(const urdf::Joint& joint) {
   return axis / axis.stableNorm();
 }
 
-// The smallest rotation that takes z to the unit vector a (about x if a = -z).
+// Returns the smallest rotation from the z axis to the unit vector a (about x if a = -z).
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
   const double s2 = a.x() * a.x() + a.y() * a.y();
   if (s2 == 0) return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
@@ -88,7 +88,7 @@ JointType type_of(const urdf::Joint& joint) {
   }
 }
 
-// Sets the limits from the file, or none by default.
+// Sets the joint's limits from the file's; by default there are no limits.
 void set_limits(Joint& out, const UrdfJoint& details = {}) {
   const auto all = [&](double x) { return Eigen::VectorXd::Constant(out.nv(), x); };
   out.lower = all(details.lower);
@@ -125,7 +125,7 @@ class Builder {
       if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
         stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
       std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
-                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // the last one is next
+                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // pop takes the last step
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
     set_passive();
@@ -141,7 +141,7 @@ class Builder {
   }
 
  private:
-  // A step from a placed link over a joint to another link. backwards: from the file's child link to its parent.
+  // A step over a joint from a link that has a Place to another link. backwards: from the child link to its parent.
   struct Step {
     const urdf::Link* link;
     const urdf::Joint* joint = nullptr;  // null for the root
@@ -196,7 +196,7 @@ class Builder {
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                      ", expected a root on this side of it");
     SE3<double> link = behind;
-    if (out.type == JointType::kPlanar) {  // z of the joint frame is the normal; the link keeps its frame
+    if (out.type == JointType::kPlanar) {  // z of the joint frame becomes the plane's normal, not that of the link
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {
@@ -237,7 +237,7 @@ class Builder {
     details_.findings.push_back({kind, name, text, path_, line});
   }
 
-  // Reports properties of a movable joint that are not modelled, or not as most users expect.
+  // Reports properties of a movable joint that are ignored, or not modelled as most users expect.
   void note(const urdf::Joint& joint, const Place& parent) {
     const UrdfJoint& details = details_.joint.at(joint.name);
     const auto refuse = [&](const std::string& what) { throw InputError(path_, details.line, what); };
@@ -301,7 +301,7 @@ class Builder {
     }
   }
 
-  // Throws UrdfOptionError; joint: the joint that the option names, or "".
+  // Throws UrdfOptionError. joint: the joint that the option names, or "".
   [[noreturn]] static void refuse(const std::string& joint, const std::string& what) {
     throw UrdfOptionError(joint, false, what);
   }
@@ -319,7 +319,7 @@ class Builder {
     return i;
   }
 
-  // A floating joint of the file is passive unless the options specify otherwise: no motors move a free body.
+  // Sets Joint::actuated. A floating joint of the file has no motors by default; options.actuated overrides it.
   void set_passive() {
     for (int i = model_.floating_base ? 1 : 0; i < model_.njoints(); ++i) {
       Joint& joint = model_.joints[i];
@@ -352,7 +352,7 @@ class Builder {
     }
   }
 
-  // Reads the dynamics of joints with one coordinate.
+  // Sets damping and friction of joints with one coordinate.
   void set_dynamics() {
     model_.damping = model_.friction = Eigen::VectorXd::Zero(model_.nv);
     for (const Joint& joint : model_.joints) {
@@ -396,7 +396,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // urdfdom's links own their children: they are released one by one, since a long chain must not be freed recursively.
+  // urdfdom's links own their children. Unlink releases the links one by one: recursion could overflow the stack.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

@@ -75,7 +75,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Returns the bound in an attribute, or `none` with the reason in `told` if it is missing or not sound.
+// Returns the bound in an attribute. If the bound is missing or unsound, returns `none`, with the reason in `told`.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
@@ -84,7 +84,7 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Reads limits; infinite, negative, crossed or missing ones count as none. A single missing bound is 0, as in URDF.
+// Reads limits. Infinite, negative, crossed or missing limits are ignored. A single missing bound is 0, as in URDF.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");

@@ -1,6 +1,6 @@
 #pragma once
-// Checks that urdfdom does not make: lines, invalid numbers, links that form no tree, unusual limits, and ignored
-// elements. For example, urdfdom ignores an <inertial> that it cannot read, and continues with zeros.
+// Checks of a URDF file that urdfdom omits: line numbers, invalid numbers, links that form no tree, unusual limits, and
+// ignored elements. For example, urdfdom ignores an <inertial> that it cannot read, and continues with zeros.
 
 #include <limits>
 #include <string>
@@ -32,20 +32,20 @@ struct UrdfDetails {
 UrdfDetails check_urdf(const Element& robot);
 
 /// Returns the file's text reduced to the elements that urdfdom must read, without limits, shapes, materials and
-/// plug-ins. Missing numbers of inertias become zeros, since urdfdom would fail without them. Changes the document.
+/// plug-ins. Missing numbers of inertias become zeros, because urdfdom requires them. Changes the document of `file`.
 std::string text_for_urdfdom(XmlFile& file);
 
-/// Problems of a moving body's inertia, or "". The texts continue "link x and what is merged into it have".
+/// Problems of a moving body's inertia, each "" if there is none. A text continues "link x and the merged links have".
 struct InertiaVerdict {
   std::string refused;  // unusable: not finite, a negative mass, a principal moment below -1e-9 of the trace
   std::string odd;      // principal moments that violate the triangle inequality; they are used as given
 };
 
-/// Checks the inertia Y of a body with all that is merged into it, about any origin. Massless bodies and rotors about
-/// one axis are allowed. Merged parts are not checked: Talos' gripper motors alone violate the inequality by 1.3 %.
+/// Checks the inertia Y, about any origin, of a body and all links merged into it. Massless bodies and rotors about one
+/// axis are allowed. Merged links are not checked alone: Talos' gripper motors violate the inequality by 1.3 %.
 InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
-/// Refuses elements of xacro, except in shapes and colours, where tell_unread reports them.
+/// Throws InputError for elements of xacro. In shapes and colours, tell_unread reports them instead.
 void refuse_xacro(const Element& robot);
 
 /// Reports ignored elements and attributes that affect the motion: loops, gears, springs, misspelt names.

@@ -35,7 +35,7 @@ InertiaVerdict judge_inertia(const Inertia<double>& Y) {
     return {"the principal moment of inertia " + show(moments[0]) + " kg m^2 (trace " + show(trace) +
                 "), expected none below -1e-9 of the trace",
             ""};
-  // I_1 + I_2 - I_3 = 2 int x_3^2 dm >= 0
+  // I_1 + I_2 - I_3 = 2 int x_3^2 dm is never negative for a rigid body
   if (Y.m > 0 && !(moments[0] + moments[1] - moments[2] >= -allowed))
     return {"", "the principal moments of inertia " + brief(moments[0]) + ", " + brief(moments[1]) + ", " +
                     brief(moments[2]) +

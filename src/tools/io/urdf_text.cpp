@@ -1,4 +1,4 @@
-// The text that urdfdom reads.
+// Prepares the text of a URDF file for urdfdom.
 
 #include <cstring>
 #include <set>
@@ -17,7 +17,7 @@ void keep(tinyxml2::XMLNode& node, const std::set<std::string>& wanted) {
   }
 }
 
-// urdfdom splits at single spaces only: it fails on a tab or a line break between numbers.
+// Puts single spaces between numbers of attributes: urdfdom fails on tabs, line breaks or several spaces.
 void tidy_numbers(tinyxml2::XMLElement& e) {
   std::vector<std::pair<std::string, std::string>> tidied;
   for (const auto* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -82,7 +82,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  robot.Accept(&printer);  // the declaration is left out, since the text is now UTF-8
+  robot.Accept(&printer);  // omits the XML declaration: its encoding would be wrong for this UTF-8 text
   return printer.CStr();
 }
 

@@ -1,5 +1,5 @@
-// Elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Those that do, or
-// may, are reported, so that nothing is ignored silently.
+// Elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Ignored elements
+// that affect the motion, or may affect it, are reported.
 
 #include <map>
 #include <set>
@@ -12,10 +12,10 @@ namespace {
 
 using Names = std::set<std::string, std::less<>>;
 
-// "drake:gear_ratio" -> "gear_ratio"
+// Returns the name without namespace: "gear_ratio" for "drake:gear_ratio".
 std::string local_name(const std::string& name) { return name.substr(name.rfind(':') + 1); }
 
-// Calls visit for every descendant.
+// Calls visit(element) for every descendant of e.
 template <class Visit>
 void each_inside(const Element& e, const Visit& visit) {
   for (const Element& inside : e.children()) {
@@ -24,7 +24,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Combines findings of similar elements into one, at the first of them.
+// Combines findings of similar elements into one finding at the first of these elements.
 class Unread {
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
@@ -33,7 +33,7 @@ class Unread {
     findings_.push_back({"unread", name, text, *e.where().file, e.line()});
   }
 
-  // Counts an ignored element or attribute `what`. The finding reports its first place and the number of others.
+  // Counts an ignored element or attribute `what`. The finding reports its first line and the number of repetitions.
   void count(const Element& e, const std::string& name, const std::string& what, const std::string& because = "") {
     const auto [at, is_first] = counted_.emplace(what, Counted{findings_.size(), 0, because});
     if (is_first) tell(e, name, {});
@@ -100,7 +100,7 @@ void look_into_transmission(const Element& transmission, Unread& unread) {
   });
 }
 
-// Counts children of `parent` that are neither read nor harmless, and repeated ones that are read only once.
+// Counts children of `parent` that are neither read nor harmless, and repetitions of children that are read once.
 void look_at_children(const Element& parent, const std::string& owner, const Names& read, const Names& harmless,
                       Unread& unread) {
   Names seen;
@@ -150,7 +150,7 @@ void look_at_joint(const Element& joint, Unread& unread) {
     unread.count(*joint.child("limit"), owner, "<limit> of a " + type + " joint");
 }
 
-// The prefixes of xacro's namespace in this file.
+// Returns the prefixes that the file declares for xacro's namespace.
 Names xacro_prefixes(const Element& robot) {
   Names prefixes = {"xacro"};
   for (const std::string& attribute : robot.attributes())
@@ -159,14 +159,14 @@ Names xacro_prefixes(const Element& robot) {
   return prefixes;
 }
 
-// Whether xacro should have replaced an element.
+// Whether an element is one of xacro's, which xacro should have replaced.
 bool is_xacro(const Element& e, const Names& prefixes) {
   const std::string name = e.name();
   const std::size_t colon = name.find(':');
   return colon != std::string::npos && prefixes.count(name.substr(0, colon)) > 0;
 }
 
-// Shapes and colours, which do not affect the motion.
+// Whether an element is a shape or a colour, which do not affect the motion.
 bool is_only_seen(const Element& e) {
   const std::string name = e.name();
   return name == "visual" || name == "collision" || name == "material";

@@ -21,7 +21,7 @@ bool among(const char* name, std::initializer_list<const char*> known) {
   return std::ranges::any_of(known, [&](const char* k) { return std::strcmp(k, name) == 0; });
 }
 
-// Our attributes, and their names in other formats.
+// Attributes of scene files, and the names of these attributes in other formats, for hints in errors.
 constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction friction_coefficient "},
                                                            {"frame", " link body frame1 parent "},
                                                            {"to", " frame2 body2 child target "},
@@ -45,11 +45,11 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// Returns our name for one of another format or for its own beginning ("quat_xyzw" for "quat"), or nullptr.
+// Returns the known attribute that `name` means, in another format or as a beginning ("quat" of "quat_xyzw"); or null.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;
-  constexpr std::size_t kLeast = 3;  // letters
+  constexpr std::size_t kLeast = 3;  // fewest letters of a beginning
   for (const char* k : known)
     if (name.size() >= kLeast && std::string_view(k).starts_with(name)) return k;
   return nullptr;
@@ -61,7 +61,7 @@ std::string expected(const char* name, std::initializer_list<const char*> known)
   return suggestion(name, {known.begin(), known.end()});
 }
 
-// XML_ERROR_MISMATCHED_ELEMENT -> "mismatched element"
+// Returns "mismatched element" for "XML_ERROR_MISMATCHED_ELEMENT".
 std::string plain_words(std::string error) {
   if (error == "XML_ERROR_PARSING_ATTRIBUTE") return "an attribute that is malformed or given twice";
   if (error.rfind("XML_", 0) == 0) error.erase(0, 4);

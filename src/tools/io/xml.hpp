@@ -23,18 +23,18 @@ class Element {
   std::string name() const { return element_->Name(); }
   int line() const { return element_->GetLineNum(); }
   Where where() const { return {file_, line()}; }
-  /// The line of an attribute (an element may span several), or the element's line if it is missing.
+  /// The line of an attribute (an element may span several lines); the element's line if the attribute is missing.
   Where where(const char* attribute) const;
   [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
 
-  /// Refuses an attribute's value, at its line, with the message label + what.
+  /// Throws InputError for an attribute's value, at the attribute's line, with the message label(attribute) + what.
   [[noreturn]] void refuse(const char* attribute, const std::string& what) const {
     where(attribute).fail(label(attribute) + what);
   }
 
-  /// Refuses attributes that are not known. (tinyxml2 refuses duplicates.)
+  /// Throws InputError for attributes that are not in `known`. (tinyxml2 refuses duplicates.)
   void allow_attributes(std::initializer_list<const char*> known) const;
-  /// Refuses text, and children that are not known.
+  /// Throws InputError for text inside the element, and for children whose names are not in `known`.
   void allow_children(std::initializer_list<const char*> known) const;
 
   void allow(std::initializer_list<const char*> attributes, std::initializer_list<const char*> children = {}) const {
@@ -83,14 +83,14 @@ class Element {
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));
   }
-  /// The text inside, without comments; refuses elements inside.
+  /// Returns the text inside, without comments. Throws InputError if there are elements inside.
   std::string text() const;
 
-  /// The first child element, or all of them, with a name; nullptr: with any name.
+  /// The first child element called `name`, or all such children; nullptr: children with any name.
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 
-  /// "attribute of <name>", for messages.
+  /// Returns "attribute of <name>" for messages.
   std::string label(const char* attribute) const;
 
  private:
@@ -100,7 +100,7 @@ class Element {
 
 class XmlFile {
  public:
-  /// Parses bytes in any encoding of decode_xml. Throws InputError for a syntax error or another root element.
+  /// Parses bytes in an encoding of decode_xml. Throws InputError for a syntax error or another root than root_name.
   XmlFile(std::string path, const std::string& bytes, const char* root_name);
   XmlFile(const XmlFile&) = delete;
   XmlFile& operator=(const XmlFile&) = delete;

@@ -34,7 +34,7 @@ std::string plain_name(std::string_view name) {
   return out;
 }
 
-// The encoding that <?xml ... encoding="..."?> declares, or "".
+// Returns the encoding that <?xml ... encoding="..."?> declares, or "".
 std::string_view declared_encoding(std::string_view text) {
   if (!text.starts_with("<?xml")) return {};
   const std::string_view declaration = text.substr(0, text.find("?>"));
@@ -74,7 +74,7 @@ std::string decode_bytes(std::string_view bytes, std::uint32_t (*character)(unsi
   return out;
 }
 
-// Lone surrogates are kept: the check of characters reports their line.
+// Converts UTF-16 to UTF-8. Lone surrogates are kept: the later check of characters reports their line.
 std::string decode_utf16(std::string_view bytes, bool big_endian) {
   const auto unit = [&](std::size_t i) {
     const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
@@ -92,13 +92,13 @@ std::string decode_utf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
-// XML 1.0, production 2.
+// Whether XML 1.0 allows the character (production 2).
 bool is_xml_character(std::uint32_t c) {
   return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) ||
          (c >= 0x10000 && c < 0x110000);
 }
 
-// The character that starts at text[at], and its length in bytes; length 0 if there is none.
+// A UTF-8 character, and its length in bytes; length 0 if the bytes are not a valid character.
 struct Decoded {
   std::uint32_t character = 0;
   std::size_t length = 0;
@@ -151,7 +151,7 @@ class Characters {
 
   void check_reference() const {
     const std::size_t end = text_.find_first_of("; \t\r\n<>\"'&", at_ + 2);
-    if (end == std::string_view::npos || text_[end] != ';') return;  // no reference: kept unchanged
+    if (end == std::string_view::npos || text_[end] != ';') return;  // not a reference: the text is kept unchanged
     std::string_view digits = text_.substr(at_ + 2, end - at_ - 2);
     const bool hex = digits.starts_with('x');
     if (hex) digits.remove_prefix(1);

@@ -1,16 +1,15 @@
 // Bounds the energy that springs between points give.
 //
-// Ends of springs on bodies that rotate far in a step move otherwise than its linear equations predict, and errors of
-// stiff springs may accumulate. Each cluster of robots that springs and contacts couple therefore has an account of the
-// energy that its springs may give, as in a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics and Automation
-// 18, 2002). It starts with their energy. A step takes from it the energy of the bodies at its end minus that after the
-// same step without springs, and minus what other forces gave. Errors of the step without springs count by twice the
-// ratio of the largest spring energy to the energy of motion, and fully if that exceeds one half. If a step takes more
-// than there is, velocities relative to the cluster's motion as one rigid body, which follows from its momentum, are
-// scaled such that it takes what there is. A cluster that the world constrains has no rigid motion. Errors that
-// alternate in sign, as those of explicit steps do, cancel in the account. The linear equations dissipate energy of
-// springs that are faster than the step. If their ends rotate so far that such springs gain energy, a cluster that the
-// world constrains moves by a fraction of the step.
+// If bodies rotate far in a step, ends of springs move otherwise than the step's linear equations predict, and errors
+// of stiff springs may accumulate. A cluster is a set of robots coupled by springs and contacts. Each cluster has an
+// account of the energy that its springs may give, as in a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics
+// and Automation 18, 2002). The account starts with the energy of the springs. A step takes from it the energy of the
+// bodies at its end, minus their energy after a step without springs, minus the work of other forces. Errors of the
+// step without springs count by twice the ratio of the largest spring energy to the kinetic energy, at most fully. If a
+// step would overdraw the account, velocities relative to the cluster's rigid-body motion (from its momentum) are
+// scaled down until it does not. A cluster fixed to the world has no rigid motion. Errors that alternate in sign, as in
+// explicit steps, cancel in the account. The linear equations dissipate energy of springs that are faster than the
+// step. If such springs gain energy because their ends rotate far, a cluster fixed to the world makes a shorter step.
 
 #include <algorithm>
 #include <cmath>
@@ -25,14 +24,14 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmaller = 0.7;  // factor by which a step is shortened
+constexpr double kSmaller = 0.7;  // factor by which one trial shortens a step
 constexpr int kMostTrials = 60;
 constexpr double kFast = 10;        // h^2 k / m above which springs lose energy in the linear step
-constexpr double kRounding = 1e-9;  // relative to the energy of springs
+constexpr double kRounding = 1e-9;  // rounding errors relative to the energy of springs
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
-// Finds the clusters that the world constrains.
+// Finds the clusters that are fixed to the world.
 void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
   e.tied.assign(scene.robots.size(), 0);
   const auto tie = [&](int robot) { e.tied[e.cluster[robot]] = 1; };
@@ -88,7 +87,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   energy += e.kinetic;
 }
 
-// The energy at the end of the step to x minus that from motors, wrenches, joints and contacts (impulses h f).
+// Computes each cluster's energy after the step to x, minus the work of motors, wrenches, joints and impulses h f.
 void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const Eigen::VectorXd& f, double h,
                            SimulationData& d, BoundedEnergy& e, Eigen::VectorXd& energy) {
   find_energies(scene, d.next_q, d.next_v, d, e, energy);
@@ -104,7 +103,7 @@ void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const E
     }
 }
 
-// Computes the clusters' rigid motions and the kinetic energy relative to them. Needs find_energies.
+// Computes the clusters' rigid motions and the kinetic energy relative to these motions, after find_energies.
 void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_tied(scene, d.free_groups, e);
   sort_groups(d.free_groups, e);
@@ -119,7 +118,7 @@ void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& 
   }
 }
 
-// Computes the velocities nv of the clusters' rigid motions.
+// Computes e.rigid_v (nv), the velocities of the clusters' rigid motions.
 void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedEnergy& e) {
   e.rigid_v.setZero(scene.nv);
   for (const FreeGroups::FreeJoint& j : d.free_groups.joints) {
@@ -160,7 +159,7 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Computes the energy of each cluster's springs: of all springs, and of those faster than the step.
+// Computes the energy of each cluster's springs: of all springs, and of the springs faster than the step.
 void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;
@@ -211,8 +210,8 @@ void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   d.work.springs += e.kinetic.sum() + e.at_end.all.sum() - first;
 }
 
-// Computes the most energy that springs can contain after another step: twice the energy of their stretch if the ends
-// continue to move as in this step, reduced by the damping of the implicit step.
+// Bounds the energy of springs after another step: twice the energy of the stretch that results if the ends continue to
+// move as in this step, reduced by the damping of the implicit step.
 void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
   const ResistingSprings& s = *d.resisting->springs;
   most.setZero(scene.nrobots());

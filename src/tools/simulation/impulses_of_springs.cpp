@@ -1,4 +1,4 @@
-// Changes of free groups' momentum by springs between points.
+// Adds the impulses of springs between points to the momentum of free groups (detail/simulation/momentum.hpp).
 
 #include <algorithm>
 #include <numeric>
@@ -9,7 +9,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// C_next is C + h P_next / m at any time.
+// Adds an impulse at the point `at` to a group, and updates its centre of mass C_next = C + h P_next / m.
 void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<double>& impulse) {
   const Vec3<double> C = group.Y.h / group.Y.m;
   group.P_next += impulse;

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace {
 
-// Raises `largest` to |x|; NaN if one of them is NaN.
+// Sets `largest` to max(largest, |x|), or to NaN if largest or x is NaN.
 void raise(double& largest, double x) { largest = sparse::larger_or_nan(largest, std::abs(x)); }
 
-// The placement error W e in the contact's rows.
+// Returns the placement error W e: the error e of the contact's frames in its constraint rows W.
 Vec6<double> placement_error(const Contact& contact, const ContactData<double>& d) {
   Vec6<double> e = Vec6<double>::Zero(), rows = e;
   if (contact.type == ContactType::k6D)

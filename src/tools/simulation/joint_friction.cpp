@@ -1,4 +1,4 @@
-// Newton's method of resisting_joints.hpp: finds which joints stick and which slide.
+// Newton's method of resisting_joints.hpp, which finds the joints that stick and the joints that slide.
 
 #include <algorithm>
 #include <numeric>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBisections = 60;
 
-// Finds the islands of joints with friction (a single one if springs couple islands), and sorts the joints by island.
+// Finds the islands of joints with friction, and sorts these joints by island. Springs join all islands to one.
 void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints& j) {
   j.island.assign(j.rubbing.size(), 0);
   std::size_t r = 0;
@@ -32,7 +32,7 @@ signed char slip_at(double v) {
   return static_cast<signed char>(v >= kStickVelocity ? 1 : v <= -kStickVelocity ? -1 : 0);
 }
 
-// The slope of the function to minimise at v + s (next - v), along next - v, over some joints.
+// Returns the slope of the minimised function at v + s (v_next - v) along v_next - v, summed over `joints`.
 double slope_at(double s, std::span<const int> joints, double h, const ResistingJoints& j) {
   double out = 0;
   for (const int k : joints) {

@@ -6,7 +6,7 @@ namespace {
 
 void make_scene(const Scene& scene, SimulationData& d) {
   ResistingForces& r = *d.resisting;
-  r.joints.vary = r.made;  // if the inertias change a second time, they may change in every step
+  r.joints.vary = r.made;  // inertias that change a second time may change in every step
   r.made = true;
   d.kept_active.clear();
   r.at_rest.reset(), r.dynamics.reset();
@@ -40,7 +40,7 @@ void take_joints(const Scene& scene, SimulationData& d) {
 void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
   ResistingJoints& j = d.resisting->joints;
   const double h = d.h;
-  d.stage_v = 0.5 * h * (d.v + v_next);  // torque times this is work
+  d.stage_v = 0.5 * h * (d.v + v_next);  // torque times stage_v is work
   d.work.dampers -= (j.damping.array() * v_next.array() * d.stage_v.array()).sum();
   for (const int i : j.rubbing) {
     const double torque = -j.friction[i] * (j.slip[i] != 0 ? j.slip[i] : v_next[i] / kStickVelocity);

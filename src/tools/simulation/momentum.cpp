@@ -10,7 +10,7 @@ using namespace internal;
 namespace {
 
 constexpr double kParallel = 1e-12;   // sine of the angle between normals of parallel planes
-constexpr double kNoInertia = 1e-12;  // relative to the trace of I: axes with smaller moments get no angular velocity
+constexpr double kNoInertia = 1e-12;  // axes with a smaller moment of inertia, relative to trace I, do not rotate
 
 bool may_begin_group(const Joint& joint) {
   return joint.type == JointType::kFloating || (joint.type == JointType::kPlanar && joint.parent < 0);
@@ -41,12 +41,12 @@ void hold_in_plane(FreeGroup& group, const Vec3<double>& normal) {
     group.tied = true;
 }
 
-// Whether a contact is 1D in world axes and so constrains its end to a plane.
+// Whether a contact constrains its end to a plane: it is 1D, in world axes.
 bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Merges the nodes that contacts, motors, friction or rotors couple.
+// Merges the nodes (bodies without free joints between them) that contacts, motors, friction or rotors couple.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {
@@ -108,7 +108,7 @@ void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, 
   }
 }
 
-// Adds the impulse of a free joint's torques to the groups below and above it. C_next must still be C.
+// Adds the impulse of a free joint's torques to the groups of its child and parent side. C_next must still be C.
 void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& tau,
                     double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   const Robot& robot = scene.robots[j.robot];
@@ -228,7 +228,7 @@ Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoin
 }  // namespace internal
 
 FreeGroups::FreeGroups(const Scene& scene) {
-  int nodes = 1;  // 0: the world
+  int nodes = 1;  // node 0 is the world
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
     const Model& model = *scene.robots[r].model;
     first_body.push_back(static_cast<int>(node.size()));

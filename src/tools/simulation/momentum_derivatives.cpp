@@ -12,14 +12,14 @@ namespace {
 
 using OfGroup = FreeMotionDerivatives::OfGroup;
 
-// Expresses a motion about the tree frame's origin about a point p of that frame.
+// Returns the motion `motion`, given about the origin of the tree frame, about the point p.
 Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   Vec6<double> out = motion;
   out.head<3>() += motion.tail<3>().cross(p);
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // vector from the reference
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // reference to centre of mass
 
 // Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>
@@ -30,7 +30,7 @@ void each_above(const Robot& robot, int i, const Kinematics<double>& kin, Use&& 
       use(robot.idx_v + k, kin.J.col(k));
 }
 
-// Computes the part of a group that each joint of robot r carries, and derivatives of its momentum about its reference.
+// Computes the bodies of a group that each joint of robot r carries, and derivatives of the group's momentum.
 void differentiate_robot(const Scene& scene, int r, int root, const std::vector<Kinematics<double>>& kin,
                          const FreeGroups& groups, const FreeGroup& group, FreeMotionDerivatives& d, OfGroup& out) {
   const Robot& robot = scene.robots[r];
@@ -60,7 +60,7 @@ void differentiate_robot(const Scene& scene, int r, int root, const std::vector<
   }
 }
 
-// Computes derivatives of each free group's C, P and L at the state of kin, at which it was measured.
+// Computes derivatives of each free group's C, P and L at the state of `kin`, at which `measure` was called.
 void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<double>>& kin, const FreeGroups& groups,
                             FreeMotionDerivatives& d) {
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -79,7 +79,7 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
       differentiate_robot(scene, r, static_cast<int>(g), kin, groups, group, d, out);
       for (int c = scene.robots[r].idx_v; c < scene.robots[r].idx_v + scene.robots[r].model->nv; ++c) {
         out.C_q.col(c) = out.h_v.col(c).head<3>() / group.Y.m;
-        // L = L_reference - C x P
+        // derivatives of L = L_reference - C x P
         out.h_q.col(c).tail<3>() -=
             Vec3<double>(out.C_q.col(c)).cross(P) + C.cross(Vec3<double>(out.h_q.col(c).head<3>()));
         out.h_v.col(c).tail<3>() -= C.cross(Vec3<double>(out.h_v.col(c).head<3>()));
@@ -94,7 +94,7 @@ OfGroup& of_group(FreeMotionDerivatives& d, const FreeGroups& groups, const Free
   return d.groups[&group - groups.groups.data()];
 }
 
-// Adds derivatives of P+ and L+ by a free joint's torques and by the positions where they act.
+// Adds derivatives of P+ and L+ by a free joint's torques and by the position at which the torques act.
 void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
                            const Eigen::SparseMatrix<double>& dtau_dx, const Eigen::SparseMatrix<double>& dtau_dw,
                            const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
@@ -135,7 +135,7 @@ void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
   });
 }
 
-// out = block(:, coordinates of the group's robots) * F(the same rows, :)
+// out += scale * block(:, c) * F(c, :), where c are the velocity coordinates of `robots`.
 template <class Block, class Rows>
 void multiply(const Scene& scene, const std::vector<int>& robots, const Block& block, const Rows& F, double scale,
               Eigen::Ref<Eigen::MatrixXd> out) {
@@ -145,7 +145,7 @@ void multiply(const Scene& scene, const std::vector<int>& robots, const Block& b
   }
 }
 
-// Computes d.turned, the rotation of joint j's body: angular parts of all coordinates above it times F.
+// Computes d.turned, the rotation of the joint's body: angular parts of the coordinates from the root to it, times F.
 void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Eigen::MatrixXd& F,
           FreeMotionDerivatives& d) {
   d.turned.setZero();
@@ -154,10 +154,10 @@ void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Ei
   });
 }
 
-// Computes F's rows of q, T dq~ + E dd.
+// Computes the rows of q in F: T dq~ + E dd (see the header).
 void differentiate_displacement(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
-  for (const FreeGroups::FreeJoint& j : groups.joints) {  // T
+  for (const FreeGroups::FreeJoint& j : groups.joints) {  // T dq~
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     if (joint.parent < 0) continue;
@@ -178,7 +178,7 @@ void differentiate_displacement(const Scene& scene, const std::vector<Kinematics
       out.added.col(c).head<3>() = along;
     }
   }
-  for (const FreeGroups::FreeJoint& j : groups.joints) {  // E
+  for (const FreeGroups::FreeJoint& j : groups.joints) {  // E dd
     const Robot& robot = scene.robots[j.robot];
     const Joint& joint = robot.model->joints[j.joint];
     const Mat3<double> R = kin[j.robot].oMi[j.joint].R.transpose();
@@ -202,8 +202,8 @@ void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const M
   }
 }
 
-// Computes F's rows of v, dv~ + A_q dq+. With R the child's axes, p its position and (u, w) the added motion,
-//     R^T x changes by R^T (x x turn),    u + w x (p - C) by w x (dp - dC)
+// Computes the rows of v in F: dv~ + A_q dq+. With R the child's axes, p its position and (u, w) the added motion,
+//     R^T x changes by R^T (x x turned),    u + w x (p - C) by w x (dp - dC)
 void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
   for (const FreeGroups::FreeJoint& j : groups.joints) {
@@ -250,7 +250,7 @@ FreeMotionDerivatives::FreeMotionDerivatives(const Scene& scene, const FreeGroup
   }
 }
 
-// P+ = P + h m g + h force,  L+ = L + h moment,  C+ = C + h P+ / m
+// Differentiates P+ = P + h m g + h force,  L+ = L + h moment,  C+ = C + h P+ / m.
 void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
                          const Eigen::SparseMatrix<double>& dtau_dw, const Eigen::Ref<const Eigen::VectorXd>& tau,
                          double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups,

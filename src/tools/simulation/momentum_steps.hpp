@@ -10,8 +10,8 @@ namespace manycontact::internal {
 inline FreeGroup& group_at(FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 inline const FreeGroup& group_at(const FreeGroups& groups, int node) { return groups.groups[groups.group[node]]; }
 
-/// Calls use(group, sign) for the groups that a free joint moves: the group below it with sign 1, the group above it
-/// with sign -1. Groups tied to the world are skipped; if both sides are in one group, nothing is called.
+/// Calls use(group, sign) for the groups that a free joint moves: the child side's group with sign 1, the parent side's
+/// group with sign -1. Groups tied to the world are skipped. Nothing is called if both sides are in one group.
 template <class Groups, class Use>
 void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (groups.group[j.node] == groups.group[j.parent]) return;
@@ -23,7 +23,7 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 
-/// Sets and returns groups.any, whether a group is free, as begin_free_motion does but without kinematics.
+/// Sets and returns groups.any, whether a group is free. Needs no kinematics, unlike begin_free_motion.
 bool find_free_groups(const Scene& scene, const std::vector<char>& active, FreeGroups& groups);
 /// Computes placements and velocities of all robots; accelerations are not used.
 void kinematics_at(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
@@ -31,14 +31,14 @@ void kinematics_at(const Scene& scene, const ConstVectorRef& q, const ConstVecto
 Vec3<double> place_of(const Attachment& at, const std::vector<Kinematics<double>>& kin);
 /// Computes inertia and momentum of every free group about its reference.
 void measure(const Scene& scene, const std::vector<Kinematics<double>>& kin, FreeGroups& groups);
-/// Angular momentum about the centre of mass C, which is given relative to the reference.
+/// Returns the group's angular momentum about its centre of mass C. C is relative to the group's reference.
 Vec3<double> spin(const FreeGroup& group, const Vec3<double>& C);
 /// If the group moves in a plane, removes the components of x across it.
 void in_the_plane(const FreeGroup& group, Vec3<double>& x);
-/// Solves I_C dw = dL; dw is 0 about axes without inertia.
+/// Solves I dw = dL for the angular velocity dw; dw is 0 about axes without inertia.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// Several free groups as one rigid body.
+/// The rigid body that several free groups would be if they did not move relative to each other.
 struct OneBody {
   double m = 0;
   Vec3<double> C = Vec3<double>::Zero();
@@ -52,7 +52,7 @@ OneBody one_body(std::span<const int> members, const FreeGroups& groups);
 inline Vec3<double> centre_of(const FreeGroup& group) { return group.reference + group.Y.h / group.Y.m; }
 inline Mat3<double> joint_space_inertia(const FreeGroup& group) { return group.Y.seen_at(-group.Y.h / group.Y.m).I; }
 
-/// Expands the coordinates of a motion or wrench of a free joint to those of a floating joint, in the child's axes.
+/// Expands a motion or wrench in a free joint's coordinates to the six components of a floating joint (child's axes).
 template <class V>
 Vec6<double> as_floating(const Joint& joint, const V& x) {
   Vec6<double> out = Vec6<double>::Zero();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kFirstIterations = 6;  // inverse iterations from an arbitrary start vector
 
-// x^T y over the rows of an island.
+// Returns x^T y over the rows of an island.
 double product(const Scene& scene, const SceneData& data, const Island& island, const Eigen::VectorXd& x,
                const Eigen::VectorXd& y) {
   double sum = 0;
@@ -22,7 +22,7 @@ double product(const Scene& scene, const SceneData& data, const Island& island, 
   return sum;
 }
 
-// Makes one inverse iteration at q: dynamics.a and f for w. Returns false if a solve failed.
+// Makes one inverse iteration at q: solves for dynamics.a and f with right-hand side w. Returns false if it failed.
 bool iterate(const Eigen::VectorXd& q, PostureData& d) {
   return solve_tau(d.rest.scene, q, d.rest.zero, d.rest.zero, d.w, d.dynamics).status != Status::kFailed;
 }
@@ -37,7 +37,7 @@ double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   return size;
 }
 
-// Starts with rows of different weights, against symmetries of the scene, of unit length in every island.
+// Starts with a w of unit length in every island. Its entries differ, so that symmetries of the scene do not cancel it.
 void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) {
   d.active = active;
   d.dynamics.active = active;
@@ -54,7 +54,7 @@ void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) 
   d.known = false;
 }
 
-// min over s of |(1 - s) x0 + s x1|, from |x0|, |x1| and x0^T x1.
+// Returns the minimum over s of |(1 - s) x0 + s x1| and its s, from |x0|, |x1| and x0^T x1.
 ClosestPosture closest_between(double size0, double size1, double product01) {
   const double step2 = size0 * size0 + size1 * size1 - 2 * product01;
   const double at = step2 > 0 ? std::clamp((size0 * size0 - product01) / step2, 0.0, 1.0) : 1;
@@ -62,7 +62,7 @@ ClosestPosture closest_between(double size0, double size1, double product01) {
   return {std::sqrt(std::max(least2, 0.0)), at};
 }
 
-// Updates w+, x and sigma of an island. Returns the closest point between the last state and this one.
+// Updates w+, x and sigma of an island. Returns the least sigma between the last and the current state.
 ClosestPosture advance(const Scene& scene, std::size_t i, PostureData& d) {
   const Island& island = solved_island(d.dynamics, i);
   const double size = take_rows(scene, island, d);
@@ -98,7 +98,7 @@ ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& activ
   for (int k = anew ? kFirstIterations : 1; k > 0; --k) {
     d.asked = d.w;
     if (!iterate(q, d)) {
-      d.active.clear();  // start again
+      d.active.clear();  // the next call starts again
       return {};
     }
     for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)

@@ -11,21 +11,21 @@ namespace manycontact {
 
 namespace internal {
 
-/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (coupled by springs, contacts) are at its first robot.
+/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (robots coupled by springs, contacts): at its first one.
 struct BoundedEnergy {
-  // Kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
+  // Columns, kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
   Eigen::ArrayX2d account;
   std::vector<int> cluster;
-  // Energy of the bodies at the start, and after the step without springs minus what other forces gave.
+  // Energy of the bodies at the start, and after a step without springs minus the work of other forces.
   Eigen::VectorXd before, without;
   Eigen::VectorXd given, most;        // energy that springs gave in this step; the most that they can contain
-  Eigen::VectorXd fast_given;         // what springs faster than the step gave
+  Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
   Eigen::VectorXd kinetic, relative;  // kinetic energy at the end; its part relative to the clusters' rigid motion
   std::vector<OneBody> bodies;        // one entry per free cluster
   struct Stretched {
     Eigen::VectorXd all, fast;
-  } at_start, at_end;              // energies of springs
-  Eigen::VectorXd share, rigid_v;  // scale of the motion relative to the clusters' rigid motion; that motion (nv)
+  } at_start, at_end;              // energies of all springs, and of springs faster than the step
+  Eigen::VectorXd share, rigid_v;  // scale of the motion relative to the rigid motion; velocity of the latter (nv)
 
   std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world
   std::vector<int> of_group;        // one entry per free group: its cluster
@@ -35,14 +35,14 @@ struct BoundedEnergy {
 /// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.
 struct AtRest {
   Scene& scene;
-  SceneData& data;  // data.dynamics if joints add nothing
+  SceneData& data;  // SimulationData::dynamics if joints add nothing to M
 };
 AtRest at_rest_with_joints(SimulationData& data);
 
 /// Before a step's solves, adds the forces of PD laws at the start of the step to data.w, and the terms of all joint
-/// forces at its end to M. The scene at rest with these terms follows `scene` and the active contacts.
+/// forces at its end to M. Updates the scene at rest with these terms to `scene` and the active contacts.
 void take_joints(const Scene& scene, SimulationData& data);
-/// Computes data.pd_torque and data.work of joints after the solves.
+/// Computes data.pd_torque, and the work of joint forces in data.work, after the solves.
 void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
 
 }  // namespace internal
@@ -52,7 +52,7 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;                     // whether at_rest and dynamics were made
+  bool made = false;                     // whether the members at_rest and dynamics were created
   std::unique_ptr<SceneAtRest> at_rest;  // the scene with added inertias; null: SimulationData::at_rest is used
   std::unique_ptr<SceneData> dynamics;   // data of at_rest
   std::optional<internal::ResistingSprings> springs;  // nullopt: no springs between points

@@ -17,14 +17,14 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFelt = 1e-3;           // D J M^-1 J^T below which a row across a spring is negligible
-constexpr double kNothing = 1e-12;       // D J M^-1 J^T of a row without effect
-constexpr std::size_t kMostRows = 3000;  // most rows `used` for a dense factor, if ...
-constexpr double kMostZeros = 8;         // ... at least one in this many entries is nonzero
-constexpr int kFewNumbers = 32;          // most unit forces on an island for which each takes a solve
+constexpr double kFelt = 1e-3;           // rows across a spring are negligible if D J M^-1 J^T is below this
+constexpr double kNothing = 1e-12;       // value of D J M^-1 J^T given to a row without effect
+constexpr std::size_t kMostRows = 3000;  // up to so many rows it is stored dense if, in addition, ...
+constexpr double kMostZeros = 8;         // ... at least one in kMostZeros of its entries is nonzero
+constexpr int kFewNumbers = 32;          // below so many unit forces on an island, each takes a solve
 constexpr int kMostCoordinates = 2000;   // most velocities of an island for which K^-1 is computed as a matrix
 
-// Returns an upper bound of J M^-1 J^T, that of the body alone, which joints and contacts reduce.
+// Returns J M^-1 J^T of the end's body alone. Joints and contacts only reduce it, so that it is an upper bound.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Inertia<double>& Y = scene.robots[at.robot].model->joints[at.joint].inertia;
@@ -54,7 +54,7 @@ void follow_loads(const Scene& scene, Scene& loads) {
   for (std::size_t r = 0; r < scene.robots.size(); ++r) loads.robots[r].base = scene.robots[r].base;
 }
 
-// Acceleration of a spring's end if its robot's joints, and its base relative to the world, continue their motion.
+// Returns the acceleration of a spring's end relative to the robot's base, if the joints do not accelerate.
 Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const AppliedForces<double>& forces) {
   if (!moves(at)) return Vec3<double>::Zero();
   const Kinematics<double>& kin = forces.robots[forces.number[at.robot]].kin;
@@ -69,8 +69,8 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
                                                      : Vec3<double>(end - kin.a_base.head<3>());
 }
 
-// The share 0 ... 1 of the motion across a spring that is a rotation of the spring without stretch. With c the rate
-// across the spring and s its length, its energy rises twice by h^2 times T / s (c^2 + s n^T (p_A'' - p_B'')).
+// Returns the share 0 ... 1 of the motion across a spring that rotates it without stretch. With c the rate across it,
+// s its length, T its tension, n its direction, its energy rises by h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B'')).
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
@@ -107,7 +107,7 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias. If it returns false, b and d.tau contain them.
+// Solves K v+ = b in SIMD batches, which add M v and the bias to b. If false, these terms are in b and d.tau instead.
 bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return false;
   d.next_contact_v.resize(d.wanted.size());
@@ -147,7 +147,7 @@ bool islands_fit(const SceneData& data) {
   return true;
 }
 
-// Computes K^-1 of every island by one panel of right-hand sides; nullptr if one solve per unit force is cheaper.
+// Computes K^-1 of every island by one panel of right-hand sides. Returns null if one solve per unit force is cheaper.
 const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s) {
   const auto [rest, data] = at_rest_with_joints(d);
   if (s.numbers < kFewNumbers || !islands_fit(data)) return nullptr;
@@ -161,7 +161,7 @@ const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s)
   return &inverse;
 }
 
-// a = K^-1 b
+// Computes a = K^-1 b with K^-1 in `inverse`.
 void multiply(const Scene& rest, const SceneData& data, const DerivativeData& inverse, const Eigen::VectorXd& b,
               Eigen::VectorXd& a) {
   a.setZero(b.size());
@@ -182,7 +182,7 @@ void multiply(const Scene& rest, const SceneData& data, const DerivativeData& in
   }
 }
 
-// Calls use(row, row of the unit force, entry of J K^-1 J^T). Returns false if a solve failed.
+// Calls use(i, j, x) for the entries x = (J K^-1 J^T)_ij, where j is the row of a unit force. False: a solve failed.
 template <class Use>
 bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   const auto [rest, data] = at_rest_with_joints(d);
@@ -209,7 +209,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   return true;
 }
 
-// Computes J K^-1 J^T in C, or in `entries` if it is sparse.
+// Computes J K^-1 J^T: in s.C if it is stored dense, otherwise in s.entries.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.is_dense ? (void)s.C.setZero(n, n) : s.entries.clear();
@@ -226,7 +226,7 @@ double rate_at_start(const SimulationData& d, const ResistingSprings::Row& row) 
   return row.direction.dot(d.applied->springs[row.spring].rate);
 }
 
-// Computes g along springs, with the kept share of the velocity at the start.
+// Computes g of rows along springs, with the share s of the start velocity that springs do not resist.
 void keep_along(const SimulationData& d, ResistingSprings& s) {
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     ResistingSprings::Row& row = s.rows[i];
@@ -237,8 +237,8 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// Computes D across springs by their tension at the end of the step, as predicted by the rows along them: a spring that
-// relaxes within the step is not stiff across itself.
+// Computes D of rows across springs from the tension at the end of the step, which the rows along springs predict: a
+// spring that relaxes within the step is not stiff across its direction.
 void take_tensions(const SimulationData& d, ResistingSprings& s) {
   s.stretching = s.p;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
@@ -256,8 +256,8 @@ void take_tensions(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// Computes g across springs from the velocity at the start without its stretching part: the share that is not resisted,
-// and the rotating share of the rest.
+// Computes g of rows across springs from the start velocity without its stretching part. Springs do not resist the
+// share s of this velocity, nor the rotating share r of the rest.
 void keep_across(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.rate.resize(n), s.stretching.resize(n);
@@ -278,7 +278,7 @@ void keep_across(const SimulationData& d, ResistingSprings& s) {
     }
 }
 
-// Finds D and g across springs from the response of the rows along them.
+// Finds D and g of rows across springs from the solution of the rows along springs.
 bool find_across(const SimulationData& d, ResistingSprings& s) {
   if (std::ranges::none_of(s.rows, is_across)) return true;
   if (!factorize_rows(false, s)) return false;
@@ -322,7 +322,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
     for (const Attachment* end : {&scene.springs[k].A, &scene.springs[k].B})
-      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // it fails
+      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // fails
         d.w.segment(robot->idx_v, robot->model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);

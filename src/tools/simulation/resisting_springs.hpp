@@ -1,18 +1,18 @@
 #pragma once
 // Springs and dampers between points in a semi-implicit Euler step of any length.
 //
-// With J the rate of a spring's ends along a direction, e its stretch and D = h^2 k + h c, the impulse is
-// p = -D (J v+ + g), where D g = h k e - s h^2 k J v with the share s of spring_share.hpp: this is the force
-// -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is stiff across itself,
-// too: there D = h^2 T / l and D g = -s D J v', with v' the velocity at the start without its stretching part. If a
-// spring rotates with its bodies, so does its force, which brakes nothing: with r the rotating share of its ends'
-// motion, g = -(s + r - s r) J v'. With K the rest of the matrix and x0 the solution without springs,
+// A spring has stiffness k, damping c and stretch e. J v is the relative velocity of its ends along a direction. With
+// D = h^2 k + h c the impulse is p = -D (J v+ + g), where D g = h k e - s h^2 k J v, s as in spring_share.hpp. This is
+// the force -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is also stiff
+// across its direction: D = h^2 T / l, D g = -s D J v', with v' the velocity at the start without its stretching part.
+// If the spring rotates with its bodies, its force does not brake them: with r the rotating share of the ends' motion,
+// g = -(s + r - s r) J v'. With K the KKT matrix without springs and x0 the solution of K x0 = b,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //
-// K^-1 J^T takes one solve for each end of a spring on an island, and one solve serves all islands. Contacts couple
-// robots into islands, springs do not: the cost of many bodies on springs is proportional to their number. An island
-// with many springs takes a panel of right-hand sides instead, which gives K^-1 as a matrix.
+// K^-1 J^T takes one unit-force solve per spring end on an island; one solve treats one end on every island. Springs
+// do not couple islands, so the cost of many bodies on springs is proportional to their number. For an island with many
+// springs, K^-1 is computed as a matrix instead, by a panel of right-hand sides.
 
 #include <Eigen/SparseCholesky>
 
@@ -28,32 +28,32 @@ struct ResistingSprings {
 
   Scene loads;                                      // the scene with all loads except springs between points
   std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: no such loads
-  std::vector<double> mobility;                     // each spring's upper bound of 1/m: its bodies alone [1/kg]
+  std::vector<double> mobility;  // one entry per spring: J M^-1 J^T of its bodies alone, an upper bound [1/kg]
 
   struct Row {
     int spring;
     Vec3<double> direction;  // unit vector in the world
     double D, g, k, e;       // k, e: stiffness and stretch along `direction`
-    double turns;            // rows across a spring: r, 0 ... 1; rows along it: -1
+    double turns;            // rows across a spring: rotating share r, 0 ... 1; rows along a spring: -1
     double length;           // rows across a spring with a rest length: its current length; other rows: 0
-    double keeps = 0;        // s, the share of v that is not resisted
+    double keeps = 0;        // share s of the start velocity v that the spring does not resist
   };
   std::vector<Row> rows;
   UnitTorques unit;
   std::vector<UnitForce> ends;  // unit forces on the ends of rows
   std::vector<int> row;         // row of each entry of `ends`
   int numbers = 0;              // count of numbers in `ends`; forces of one number are on different islands
-  std::vector<int> asked;       // one entry per island: index in `ends` of the unit force in the solve; -1: none
+  std::vector<int> asked;       // one entry per island: index in `ends` of the current solve's unit force; -1: none
   std::vector<double> gains;    // alpha of each contact, saved while the solves for unit forces use zero
   Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
-  Eigen::VectorXd p, rate;     // one entry per row: impulse; J v'
+  Eigen::VectorXd p, rate;     // one entry per row: impulse p; rate J v'
   Eigen::VectorXd given;       // one entry per row: energy that the impulse without damper gives to the bodies [J]
   Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
-  bool is_dense = true;        // J K^-1 J^T is dense: few rows, or most of them on one island
+  bool is_dense = true;        // J K^-1 J^T is stored dense: few rows, or most rows on one island
   Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
-  std::vector<int> used;       // rows that are not left out
+  std::vector<int> used;       // rows that are part of the last factorization
   Eigen::VectorXd of_used;
   Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
   Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
@@ -72,19 +72,19 @@ constexpr double kIdle = 1e-300;      // value of D for a row that is left out
 constexpr std::size_t kFewRows = 64;  // most rows for one dense factor of all rows
 
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
-/// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all. Returns false if that fails.
+/// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all rows. Returns false if the factorization fails.
 [[nodiscard]] bool factorize_rows(bool all, ResistingSprings& s);
-/// x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
+/// Computes x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
 void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
-/// Adds external wrenches and joint springs at the start of the step to data.w, and sets data.applied to that state.
+/// Adds external wrenches and joint springs at the start of the step to data.w, and evaluates data.applied there.
 void add_loads(const Scene& scene, SimulationData& data);
-/// Finds the rows, after add_loads. data.w becomes NaN for a spring without direction.
+/// Finds the rows of all springs, after add_loads. A spring of length zero has no direction: data.w becomes NaN.
 void take_springs(const Scene& scene, SimulationData& data);
 /// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. If
-/// data.in_batches, the solve adds M v and the bias to b; if batches cannot, b and data.tau contain them afterwards.
+/// data.in_batches, the solve adds M v and the bias to b; if SIMD batches fail, b and data.tau contain these terms.
 [[nodiscard]] bool solve_with_springs(Eigen::VectorXd& b, SimulationData& data);
-/// Adds the springs' impulses of the solve to the momentum that free groups will have.
+/// Adds the springs' impulses of the solve to the momentum of free groups at the end of the step.
 void add_impulses_of_springs(const Scene& scene, SimulationData& data);
 /// Computes data.work of springs and dampers between points.
 void account_for_springs(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);

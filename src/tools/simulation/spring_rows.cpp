@@ -4,7 +4,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Whether a row takes part: those along springs, or all.
+// Whether a row is part of the factorization: a row along a spring always, a row across a spring only with `all`.
 bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
 
 // Factorizes few rows; rows that take no part are decoupled.

@@ -14,9 +14,9 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-constexpr int kMostAsked = 100;  // most joints of a robot for which mobilities are computed
+constexpr int kMostAsked = 100;  // most joints with forces of a robot whose mobilities are computed
 
-// Stiffness k and damping c of joint coordinates, with friction as its slope at rest.
+// Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
 struct JointForces {
   Eigen::VectorXd k, c;
   JointForces(const Scene& scene, const PdLaws& pd) : k(Eigen::VectorXd::Zero(scene.nv)) {
@@ -34,7 +34,7 @@ std::vector<int> joints_with_forces(const JointForces& forces) {
   return out;
 }
 
-// Makes three unit forces per spring between points, one per joint; those beyond kMostAsked get infinite mobility.
+// Makes three unit forces per spring between points, and one per joint; over kMostAsked joints: infinite mobility.
 std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
                                   Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;

@@ -13,14 +13,14 @@
 
 namespace manycontact {
 
-/// States as copies in one scene; once a step of one of them fails, each has its own data. Between steps a part stores
-/// only the members of SimulationData from which `step` continues, and solves use the thread's memory. A part with
-/// dependent rows keeps the data that found them.
+/// States that are copies in one scene; once a step of one state fails, each state has its own data. Between steps a
+/// part stores only the members of SimulationData from which `step` continues; the other members are the thread's. A
+/// part with dependent rows owns the SimulationData that found these rows.
 struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
   Eigen::VectorXd q, v, left_q, left_v, contact_v;  // the members of SimulationData, for all copies
-  Eigen::ArrayX2d account;                          // the member of BoundedEnergy
+  Eigen::ArrayX2d account;                          // BoundedEnergy::account, for all copies
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
@@ -31,7 +31,7 @@ struct SimulationBatch::Part {
 
 struct SimulationBatch::Work {
   int copies;
-  Scene scene;  // the copies
+  Scene scene;  // one scene with all copies of the robots
   Integrator integrator;
   double h;
   Options options;
@@ -49,7 +49,7 @@ void expect(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(what);
 }
 
-// Concatenates rows first ... of X into `out`. Surplus copies repeat the last row.
+// Concatenates `copies` rows of X, from row `first` on, into `out`. Beyond the last row, copies repeat it.
 void side_by_side(const ConstBatchRows& X, Eigen::Index first, int copies, Eigen::VectorXd& out) {
   out.resize(copies * X.cols());
   for (int k = 0; k < copies; ++k)
@@ -100,7 +100,7 @@ SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, 
   return out;
 }
 
-// Steps states that have their own data.
+// Steps the states of a part in which each state has its own data (part.alone).
 void step_alone(const Scene& scene, const ConstBatchRows& u, int steps, Part& part, SimulationBatch& b) {
   for (int k = 0; k < part.states; ++k) {
     SimulationData& d = part.alone[k];
@@ -117,7 +117,7 @@ std::unique_ptr<SimulationData> data_of_copies(const Work& work, const Part& par
   return std::make_unique<SimulationData>(work.scene, part.q, part.v, work.integrator, work.h, work.options);
 }
 
-// Exchanges the state that a step continues from with that of the data.
+// Swaps the members from which a step continues between a part and the data.
 void exchange(Part& part, SimulationData& d) {
   part.q.swap(d.q), part.v.swap(d.v);
   part.left_q.swap(d.left_q), part.left_v.swap(d.left_v);
@@ -135,7 +135,7 @@ bool rows_depend(SimulationData& d) {
   return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
 }
 
-// Calls use(data) with the part's or the thread's data. If it returns true, the part owns the data afterwards.
+// Calls use(data) with the part's or the thread's data. If `use` returns true, the part owns the data afterwards.
 template <class Use>
 void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
   if (part.own) return (void)use(*part.own);
@@ -146,7 +146,7 @@ void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Par
   use(d) ? part.own.swap(of_thread) : exchange(part, d);
 }
 
-// Steps copies in one scene. Returns the number of steps before one failed.
+// Steps the states of a part as copies in one scene. Returns the number of steps before a step failed.
 int step_together(const Scene& scene, const ConstBatchRows& u, int steps, const Work& work, Part& part,
                   SimulationData& d, SimulationBatch& b) {
   take_settings(b, part.first, work.copies, d);
@@ -200,7 +200,7 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
            "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
 }
 
-// Renews the data from which the next step continues after one state was replaced.
+// Updates the data from which the next step continues, after state `copy` was replaced in d.q, d.v.
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
@@ -234,7 +234,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
     Part& part = work->parts.emplace_back();
     part.first = first, part.states = static_cast<int>(std::min<Eigen::Index>(copies, q.rows() - first));
     side_by_side(q, first, copies, part.q), side_by_side(v, first, copies, part.v);
-    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // differs from any state
+    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // NaN differs from any state
     part.left_v = part.v;
   }
   work->failures.resize(static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));

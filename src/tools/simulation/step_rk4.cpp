@@ -11,7 +11,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// [w, v] on SE(2) in coordinates (x, y, angle).
+// Returns the Lie bracket [w, v] of SE(2) in coordinates (x, y, angle).
 Vec3<double> bracket_se2(const Vec3<double>& w, const Vec3<double>& v) {
   return {w[1] * v[2] - w[2] * v[1], w[2] * v[0] - w[0] * v[2], 0};
 }
@@ -22,7 +22,7 @@ Vector series(const Vector& w, const Vector& v, Bracket&& bracket) {
   return v + once / 2 + twice / 12;
 }
 
-// Computes out = v + [w, v]/2 + [w, [w, v]]/12 on every joint. w, v, out: nv.
+// Computes out = v + [w, v]/2 + [w, [w, v]]/12 for every joint, with Lie brackets [ , ]. w, v, out: nv.
 void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
   out = v;  // exact for joints with one coordinate
   for (const Robot& robot : scene.robots)
@@ -38,7 +38,7 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
     }
 }
 
-// Adds work and mean torques of resisting forces at the stage's state, with this weight in the step.
+// Adds work and mean torques of resisting forces at the state of an RK4 stage. weight: the stage's weight in the step.
 void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
   const double dt = weight * d.h;
   for (const Robot& robot : scene.robots) {

@@ -13,7 +13,7 @@ namespace {
 int robot_of(const Scene& scene, int coordinate) {
   const auto after = std::upper_bound(scene.robots.begin(), scene.robots.end(), coordinate,
                                       [](int i, const Robot& robot) { return i < robot.idx_v; });
-  return static_cast<int>(after - scene.robots.begin()) - 1;  // robots without coordinates come before one with
+  return static_cast<int>(after - scene.robots.begin()) - 1;  // if robots have equal idx_v, the last has it
 }
 
 Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {

@@ -1,5 +1,5 @@
 #pragma once
-// Unit forces along springs and on joints, with torques tau = U x and components U^T a of a velocity or acceleration a.
+// Unit forces on springs and joints, with torques tau = U x, and components U^T a of a velocity or acceleration a.
 
 #include <algorithm>
 
@@ -7,35 +7,35 @@
 
 namespace manycontact::internal {
 
-/// Finds the first robot of each robot's set, coupled by contacts flagged `active`, and by springs if `by_springs`.
+/// Finds sets of robots coupled by contacts flagged `active` (`by_springs`: or springs). first[r]: first of r's set.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
   int spring = -1;                                // a spring between points: the force acts on its ends on `island`
   Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; the opposite on B's end
   int coordinate = -1;                            // a joint: index of its coordinate in the scene's v
-  int island = -1, number = 0;                    // set by UnitTorques; forces of one number are on different islands
+  int island = -1, number = 0;                    // set by UnitTorques; equal numbers: forces on different islands
 };
 
 class UnitTorques {
  public:
   explicit UnitTorques(const Scene& scene);
-  /// Places the ends at q (nq) of the scene, with its robots' bases, and clears the sum.
+  /// Computes the positions of springs' ends at q (nq), and clears the sum of added forces.
   void place(const Scene& scene, const Eigen::VectorXd& q);
   void clear();
   void add(const UnitForce& force, double amount);
-  /// Returns U x of the added forces (nv). It is valid until the next call.
+  /// Returns the torques U x of the added forces (nv), a reference that is valid until the next call.
   const Eigen::VectorXd& torques();
-  /// Stores a velocity or acceleration (nv), of which `along` returns components. Clears the sum.
+  /// Stores a velocity or acceleration a (nv), of which `along` returns components. Clears the sum of added forces.
   void look(const Eigen::VectorXd& a);
   double along(const UnitForce& force) const;
-  /// Returns the component along a spring for its ends on an island; -1: for both ends.
+  /// Returns the component of a along a spring, for the ends on `island`; island -1: for both ends.
   double along(int spring, const Vec3<double>& direction, int island) const;
   /// Assigns robots to islands, which contacts flagged `active` couple.
   void find_islands(const Scene& scene, const std::vector<char>& active);
   /// Returns the island of a spring's end, or -1 if the end is fixed to the world.
   int island_of(int spring, int end) const { return island_of_end_[end][spring]; }
-  /// Adds the forces on a spring's ends, one for each of their islands, or the force on a joint, and numbers them.
+  /// Append a spring's unit forces to `to`, one per island of its ends, or a joint's unit force, and number them.
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);
   void add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to);
   /// begin_numbers resets the numbering of forces; numbers returns the count of numbers used.

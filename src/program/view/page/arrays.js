@@ -1,12 +1,12 @@
 'use strict';
-// Numbers of the page: base64 to typed arrays, and values between two frames.
+// Decodes the page's numbers from base64 to typed arrays, and interpolates between frames.
 
 function decode(text, Type) {
   const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
   return new Type(bytes.buffer);
 }
 
-// The scene of the page, its frames as typed arrays.
+// Returns the page's scene, with its frames as typed arrays.
 function readScene() {
   const scene = JSON.parse(document.getElementById('scene').textContent);
   const types = {t: Float64Array, quaternions: Int16Array, islands: Int32Array, flags: Uint8Array};
@@ -19,7 +19,7 @@ function readScene() {
   return scene;
 }
 
-// The frame at or before time t, and how far on to the next one, from 0 to 1.
+// Returns the last frame at or before time t, the next frame, and the share 0 ... 1 of the way to the next frame.
 function frameAt(times, t) {
   let low = 0, high = times.length - 1;
   while (high - low > 1) {
@@ -31,7 +31,7 @@ function frameAt(times, t) {
   return part === 1 ? {frame: high, next: high, part: 0} : {frame: low, next: high, part};
 }
 
-// Vector i of n per frame, between two frames; of the first one where the second does not know it.
+// Sets `out` to vector i of n per frame, interpolated between two frames; if the second frame has NaN, to the first's.
 function vectorAt(array, i, n, at, out) {
   const a = 3 * (at.frame * n + i), b = 3 * (at.next * n + i);
   const s = isNaN(array[b]) ? 0 : at.part;
@@ -39,13 +39,13 @@ function vectorAt(array, i, n, at, out) {
   return out.set(between(0), between(1), between(2));
 }
 
-// 1, 2 or 5 times a power of ten, at least x.
+// Returns the least number 1, 2 or 5 times a power of ten that is at least x.
 function roundUp(x) {
   const power = Math.pow(10, Math.floor(Math.log10(x)));
   return [1, 2, 5, 10].map((k) => k * power).find((y) => y >= x * 0.999);
 }
 
-// x with three digits.
+// Formats x with three significant digits.
 function show(x) {
   if (x === 0 || !isFinite(x)) return String(x);
   return Math.abs(x) >= 1e5 || Math.abs(x) < 1e-3 ? x.toExponential(1) : String(Number(x.toPrecision(3)));

@@ -1,5 +1,5 @@
-// A camera on a sphere about a target, z up: drag turns, right button or shift drags the target, wheel or two fingers
-// come closer.
+// A camera on a sphere about a target, z up. Dragging rotates it, the right button or shift moves the target, and the
+// wheel or two fingers change the distance.
 
 class OrbitCamera {
   constructor(canvas, changed) {
@@ -9,7 +9,7 @@ class OrbitCamera {
     this.azimuth = -0.9;   // rad, from x towards y
     this.elevation = 0.28; // rad
     this.distance = 5;     // m
-    this.moved = false;    // by the user
+    this.moved = false;    // whether the user moved the camera
     this.changed = changed;
     this.pointers = new Map();
     canvas.addEventListener('pointerdown', (e) => this.down(canvas, e));
@@ -19,14 +19,14 @@ class OrbitCamera {
     canvas.addEventListener('contextmenu', (e) => e.preventDefault());
   }
 
-  // From the target to the camera.
+  // Returns the unit vector from the target to the camera.
   direction() {
     const c = Math.cos(this.elevation);
     return new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation));
   }
 
-  // So that boxes fill a picture of this aspect: every corner x to the side of the middle and z nearer than it asks for
-  // a distance of x / tan(half the angle) + z.
+  // Sets the distance so that the boxes fill a picture of this aspect. A corner that is x beside the middle and z nearer
+  // to the camera than the middle requires a distance of x / tan(half the view angle) + z.
   fit(boxes, middle, aspect) {
     this.target.copy(middle);
     const back = this.direction(), right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
@@ -41,7 +41,7 @@ class OrbitCamera {
       }
   }
 
-  // For a picture of this size whose leftmost pixels are covered.
+  // Updates the camera for a picture of this size [pixels], of which the leftmost `covered` pixels are hidden.
   update(width, height, covered) {
     this.camera.position.copy(this.direction()).multiplyScalar(this.distance).add(this.target);
     this.camera.lookAt(this.target);

@@ -1,16 +1,16 @@
-// Contacts: a ball at A's origin, a ring where the contact is redundant, the force on A as an arrow (pale where
-// contacts could share it otherwise and no cone judges it), its cone; a line from A to its reference placement,
-// and on to the frame that this is fixed to, where these are apart.
-// Pushes: their force as an arrow of another colour. Springs: a line between their ends.
+// Draws contacts: a ball at A's origin, a ring if the contact is redundant, the friction cone, and the force on A as an
+// arrow (pale if the force is not unique and there is no cone). Lines connect A, its target frame B', and the frame
+// that B' is fixed to, if these are apart.
+// External wrenches are arrows of another colour. Springs are lines between their ends.
 
 const kActive = 1, kRedundant = 2, kShared = 4;
-const kApart = 0.05;  // of a robot's size
+const kApart = 0.05;  // least length of a drawn line, relative to a robot's size
 const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a, kPushColour = 0x1971c2, kSpringColour = 0x0b7285;
 
 class Contacts {
   constructor(data, size, world) {
     this.data = data;
-    this.size = size;  // of a robot, m
+    this.size = size;  // size of a robot, m
     this.shown = {forces: true, cones: true, contacts: true};
     this.newtons = this.forceOfMetre();
     const shaft = new THREE.CylinderBufferGeometry(1, 1, 1, 14).translate(0, 0.5, 0).rotateX(Math.PI / 2);
@@ -44,7 +44,7 @@ class Contacts {
     });
   }
 
-  // Seen through bodies, but paler there: drawn once in place and once over everything.
+  // Makes an arrow that is visible through bodies, but paler: it is drawn once in place and once over everything.
   arrow(shaft, head) {
     const group = new THREE.Group();
     const solid = new THREE.MeshPhongMaterial({specular: 0x111111});
@@ -59,7 +59,7 @@ class Contacts {
     return {group, solid, ghost, shafts: [parts[0], parts[2]], heads: [parts[1], parts[3]]};
   }
 
-  // The force that an arrow of one metre means: large ones are about half as long as a robot.
+  // Returns the force [N] of an arrow of one metre, chosen such that large forces are about a third of a robot's size.
   forceOfMetre() {
     const {forces, pushes} = this.data.frames, sizes = [];
     const add = (list, i) => {
@@ -101,7 +101,7 @@ class Contacts {
     this.placeForces(at, scale);
   }
 
-  // Names of the active contacts whose force is outside of its cone.
+  // Returns the names of the active contacts whose force is outside of the friction cone.
   outside() { return this.list.filter((parts) => parts.outside).map((parts) => parts.contact.name); }
 
   placeForces(at, scale) {
@@ -127,7 +127,7 @@ class Contacts {
     this.turn(line, along.divideScalar(length));
   }
 
-  // Whether the force is inside; undefined where there is no cone.
+  // Places the cone. Returns whether the force is inside; undefined if there is no cone or no force.
   placeCone(parts, normal, force) {
     const mu = parts.contact.friction, known = mu > 0 && !isNaN(force.x);
     parts.cone.visible = this.shown.cones && mu > 0;

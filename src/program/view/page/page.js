@@ -1,8 +1,8 @@
-// The page: sets everything up, then draws whenever something changed.
+// The page: creates the scene, plots and controls, then draws whenever the state or the camera changed.
 
 const element = (id) => document.getElementById(id);
-const kMostNames = 2000;  // offered for `find`; others may be typed
-const kMostListed = 8;    // contacts outside of their cones
+const kMostNames = 2000;  // names offered in the field `find`; other names may be typed
+const kMostListed = 8;    // most listed contacts whose force is outside of its cone
 
 class Page {
   constructor() {
@@ -33,7 +33,7 @@ class Page {
 
     const first = this.seen(this.robots.boxes());  // in the robots' first configuration
     const sizes = first.map((box) => box.getSize(new THREE.Vector3()).length()).sort((a, b) => a - b);
-    this.size = sizes[sizes.length >> 1] || 1;  // of a robot
+    this.size = sizes[sizes.length >> 1] || 1;  // median size of a robot, m
     this.lowest = Math.min(...first.map((box) => box.min.z));
     this.boxes = this.seen(this.robots.boxesOfMotion(this.world));
     this.box = this.boxes.reduce((all, box) => all.union(box), new THREE.Box3());
@@ -43,13 +43,13 @@ class Page {
     this.addLight();
   }
 
-  // A box to look at where no robot has a shape.
+  // Returns the boxes that are not empty; a default box if no robot has a shape.
   seen(boxes) {
     const full = boxes.filter((box) => !box.isEmpty());
     return full.length > 0 ? full : [new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1))];
   }
 
-  // Squares are a texture: lines that pass the camera are lost in some browsers.
+  // The squares of the floor are a texture, because some browsers do not draw lines that pass the camera.
   addFloor() {
     const radius = Math.max(this.box.getSize(new THREE.Vector3()).length(), 2 * this.size);
     const centre = this.box.getCenter(new THREE.Vector3());
@@ -78,7 +78,7 @@ class Page {
     const radius = this.box.getSize(new THREE.Vector3()).length() / 2 + 0.4 * this.size;
     const centre = this.box.getCenter(new THREE.Vector3());
     this.world.add(new THREE.HemisphereLight(0xffffff, 0xb9b2a6, 0.7));
-    this.lamp = new THREE.DirectionalLight(0xffffff, 0.22);  // goes with the camera
+    this.lamp = new THREE.DirectionalLight(0xffffff, 0.22);  // moves with the camera
     this.world.add(this.lamp, this.lamp.target);
     const sun = new THREE.DirectionalLight(0xfff6e8, 0.4);
     sun.position.set(0.9, -0.6, 1.9).normalize().multiplyScalar(4 * radius).add(centre);
@@ -101,7 +101,7 @@ class Page {
     this.camera.target.copy(this.startTarget);
   }
 
-  // The part of the picture's width that the panel covers.
+  // Returns the width of the picture that the panel covers [pixels].
   covered() { return Math.min(element('panel').offsetWidth + 12, element('canvas').clientWidth / 2); }
 
   setControls() {
@@ -127,7 +127,7 @@ class Page {
   // Moves the camera to a robot or a contact, and describes the contact.
   find(name) {
     if (!name) return;
-    this.draw();  // places everything
+    this.draw();  // updates all placements
     const robot = this.data.robots.findIndex((r) => r.name === name), contact = this.contacts.list.find((c) => c.contact.name === name);
     const box = robot < 0 ? new THREE.Box3() : this.robots.boxes()[robot];
     if (!contact && box.isEmpty()) {
@@ -156,7 +156,7 @@ class Page {
     this.plots = [];
     element('timeline').hidden = this.times.length < 2;
     if (this.times.length < 2) return;
-    // The potential energy is counted from its first value: its zero is arbitrary, and would hide the changes.
+    // The potential energy is plotted relative to its first value: its zero is arbitrary, and an offset hides changes.
     const start = frames.potential.find((x) => isFinite(x)) || 0, potential = frames.potential.map((x) => x - start);
     const total = frames.kinetic.map((k, i) => k + potential[i]), seek = (t) => this.seek(t);
     this.plots.push(new Plot(element('energy'), 'energy [J], potential from its start', this.times, [
@@ -175,7 +175,7 @@ class Page {
     const count = (n, what) => n + ' ' + what + (n === 1 ? '' : /y$/.test(what) ? '' : 's');
     const islands = new Set(data.frames.islands.slice(0, data.robots.length)).size;
     document.title = data.name + ' - manycontact';
-    element('title').textContent = data.name.replace(/_/g, '_\u200b');  // may break there
+    element('title').textContent = data.name.replace(/_/g, '_\u200b');  // allows line breaks after underscores
     element('summary').textContent = count(data.robots.length, 'robot') + ', ' + (bodies === 1 ? '1 body' : bodies + ' bodies') +
         ', ' + count(islands, 'island') + ', ' + count(data.contacts.length, 'contact') + '; grid ' + show(this.cell) + ' m';
     const known = Array.from(data.frames.forces).some((x) => x === x);
@@ -189,8 +189,8 @@ class Page {
                                           shapes: this.robots.shapes.length, frames: this.times.length});
   }
 
-  // "#t=0.3" starts there, "#play" plays, "#azimuth=..&elevation=..&distance=.." are the camera's, in rad and m. "#find=left" moves it to the
-  // robot or contact of this name.
+  // "#t=0.3" starts at this time, "#play" plays, "#azimuth=..&elevation=..&distance=.." set the camera [rad, m], and
+  // "#find=left" moves the camera to the robot or contact of this name.
   followAddress() {
     const words = new URLSearchParams(location.hash.slice(1));
     for (const name of ['azimuth', 'elevation', 'distance'])

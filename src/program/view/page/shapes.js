@@ -1,6 +1,6 @@
-// Robots: a group per body, placed by the frames; shapes in their bodies' axes.
+// Draws robots: each body is a group that the recorded frames move; its shapes are in the body's axes.
 
-// Geometry along z, made once for all copies.
+// Makes the geometry of a shape, along z, once for all copies of a robot.
 function makeGeometry(shape, meshes) {
   const [a, b, c] = shape.size;
   if (shape.shape === 'box') return new THREE.BoxBufferGeometry(a, b, c);
@@ -15,7 +15,7 @@ function makeGeometry(shape, meshes) {
   const indexed = new THREE.BufferGeometry();
   indexed.setAttribute('position', new THREE.BufferAttribute(meshes[shape.mesh].vertices.slice(), 3));
   indexed.setIndex(new THREE.BufferAttribute(meshes[shape.mesh].triangles, 1));
-  const flat = indexed.toNonIndexed().scale(a, b, c);  // each triangle its own normal
+  const flat = indexed.toNonIndexed().scale(a, b, c);  // each triangle has its own normal
   flat.computeVertexNormals();
   return flat;
 }
@@ -24,8 +24,8 @@ class Robots {
   constructor(data, world) {
     this.data = data;
     this.bodies = [];  // groups that frames move, of all robots
-    this.robotOf = [];  // per body
-    this.shapes = [];  // meshes, with their robot
+    this.robotOf = [];  // index of each body's robot
+    this.shapes = [];  // meshes; userData has their robot
     this.materials = new Map();
     this.opacity = 1;
     const geometries = data.models.map((model) => model.shapes.map((shape) => makeGeometry(shape, data.meshes)));
@@ -66,7 +66,7 @@ class Robots {
       if (!this.islands.has(island)) this.islands.set(island, this.islands.size);
   }
 
-  // Hues far from each other by the golden angle; robots of one island differ in lightness.
+  // Returns a mesh's colour. Hues differ by the golden angle; robots of one island differ in lightness.
   colourOf(mesh, frame, by) {
     const robot = mesh.userData.robot, urdf = mesh.userData.colour;
     if (by === 'urdf') return urdf ? new THREE.Color(urdf[0], urdf[1], urdf[2]) : new THREE.Color(0x9aa7b3);
@@ -102,14 +102,14 @@ class Robots {
     });
   }
 
-  // Boxes about the robots' shapes at the current time.
+  // Returns bounding boxes of the robots' shapes at the current time.
   boxes() {
     const boxes = this.data.robots.map(() => new THREE.Box3());
     for (const mesh of this.shapes) boxes[mesh.userData.robot].expandByObject(mesh);
     return boxes;
   }
 
-  // The same over the whole motion: the shapes at some of its frames, the bodies' origins at all. Leaves the last frame.
+  // Returns bounding boxes over the whole motion: of shapes at some frames, of bodies' origins at all frames.
   boxesOfMotion(world) {
     const boxes = this.boxes(), {positions} = this.data.frames, frames = this.data.frames.t.length;
     const samples = Math.min(frames, Math.max(2, Math.min(24, Math.floor(20000 / this.shapes.length))));

@@ -1,6 +1,6 @@
 #pragma once
-// Parts of a scene's model that are not needed, at the state of the last solve. Each item is one or two sentences with
-// names, without line breaks. All functions throw std::logic_error before a solve.
+// Advice on parts of a scene that are not needed at the state of the last solve. Each item is one or two sentences that
+// contain names and no line breaks. All functions throw std::logic_error before a solve.
 
 #include "manycontact/analysis/ranks.hpp"
 

@@ -1,6 +1,6 @@
 #pragma once
-// Differences of a solution from another one or from a reference, per robot and in the maximum norm. The templates are
-// over the reference's scalar: differences from quadruple precision are computed in it.
+// Differences of a solution from another solution or a reference, per robot and in the maximum norm. S is the scalar of
+// the reference: differences from a reference in quadruple precision are computed in quadruple precision.
 
 #include <cmath>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace manycontact {
 
-/// |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if x or truth contains NaN.
+/// The differences |x - truth|, in the units of x, and |x - truth| / |truth|. NaN if x or truth contains NaN.
 struct Deviation {
   double absolute = 0, relative = 0;
 };
 
-/// max |x_ij|. NaN if x contains NaN.
+/// Returns max |x_ij|; NaN if x contains NaN.
 template <class X>
 double largest_entry(const X& x) {
   using std::abs;
@@ -26,7 +26,7 @@ double largest_entry(const X& x) {
 }
 
 /// Differences of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of |truth| and
-/// `at_least` (scene.nv, or empty), for robots at rest whose accelerations are rounding errors.
+/// |at_least| (scene.nv, or empty). at_least is for robots at rest, whose accelerations are rounding errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {
@@ -67,7 +67,7 @@ std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<in
   return out;
 }
 
-/// The largest absolute and the largest relative deviation; NaN if one of them is NaN.
+/// The largest absolute and the largest relative deviation; NaN if a deviation is NaN.
 inline Deviation worst(const std::vector<Deviation>& deviations) {
   Deviation out;
   for (const Deviation& d : deviations) {

@@ -1,7 +1,7 @@
 #pragma once
-// The contact rows of an island that are independent of the rows before them, at the configuration of the last solve.
-// Their number is that of the solve. Without damping it is the rank of J, to about tolerance::kRank of the scale of
-// each row (row_scale, rank/row_size.hpp), which is at least the norm of the row.
+// Finds the contact rows of an island that are independent of the rows before them, at the q of the last solve. Their
+// number equals the rank of the solve. Without damping it is the rank of J to about tolerance::kRank times the scale
+// of each row (row_scale, rank/row_size.hpp), which is at least the norm of the row.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -12,11 +12,11 @@ namespace manycontact {
 /// A set of rows that imposes the same constraint as all contacts between two bodies.
 enum class Holds {
   kEach,        // every row is independent
-  kOneContact,  // one of the contacts alone
-  kSixD,        // one 6D contact anywhere on the body
-  kThreeD,      // one 3D contact at their common point
-  kLine,        // points on a line: five motions, which no single type constrains
-  kFewerRows,   // some of the rows; see IslandRanks::redundant
+  kOneContact,  // one of the contacts alone imposes it
+  kSixD,        // one 6D contact anywhere on the body imposes it
+  kThreeD,      // one 3D contact at the contacts' common point imposes it
+  kLine,        // points on a line constrain five motions, as no single contact type does
+  kFewerRows,   // some of the rows impose it; see IslandRanks::redundant
 };
 
 /// All active contacts between the same two bodies.
@@ -29,11 +29,11 @@ struct BodyPair {
   int alone = -1;  // kOneContact: scene number of the contact
 };
 
-/// A contact with dependent rows, since its robots cannot move in all of its directions.
+/// A contact with dependent rows, because its robots cannot move in all directions of the contact.
 struct Lighter {
   int contact = -1, rank = 0;
-  std::string type;   // the lightest type of the same rank at the same frame, empty if there is none
-  int only_just = 0;  // rows beyond that rank that are nearly dependent (analysis/near_dependent.hpp)
+  std::string type;   // contact type with fewest rows of equal rank at the same frame; empty if there is none
+  int only_just = 0;  // number of rows beyond `rank` that are nearly dependent (analysis/near_dependent.hpp)
 };
 
 struct IslandRanks {            // Result of find_ranks for one island.
@@ -44,8 +44,8 @@ struct IslandRanks {            // Result of find_ranks for one island.
   std::vector<Lighter> lighter;
 };
 
-/// Finds an island's ranks after a solve, whatever its status. The rank of islands with nv nc^2 above 3e9 is not
-/// computed (`known`), since it takes dense matrices; ranks of body pairs are. Throws std::logic_error before a solve.
+/// Finds an island's ranks after a solve, whatever its status. If nv nc^2 exceeds 3e9, dense matrices would be too
+/// large: `known` is false, and only the ranks of body pairs are computed. Throws std::logic_error before a solve.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
 /// Names of an island's rows, and of its contacts without the redundant rows.
@@ -54,14 +54,13 @@ struct RowSelection {
   std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]"
   std::vector<std::string> dropped;    // contacts of which no row is left
 };
-/// Selects rows by an island's known ranks. Dependent rows are later ones: the first contacts remain whole.
+/// Selects rows by an island's known ranks. A row is dropped if it depends on earlier rows: first contacts stay whole.
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
 
-/// Islands of one shape with the same ranks, and with the same status, method, order and reason in the last solve, so
-/// that a thousand equal robots take one line.
+/// Islands of one shape with equal ranks, and equal status, method, order and reason in the last solve.
 struct IslandKind {
   std::vector<int> islands;  // numbers of the islands, ascending
-  IslandRanks ranks;         // ranks of the first one
+  IslandRanks ranks;         // ranks of the first of these islands
 };
 
 /// Finds the kinds, in the order of their first islands. Throws std::logic_error before a solve.
@@ -75,10 +74,10 @@ namespace internal {
 /// The norm of each row of J orthogonal to the independent rows before it, relative to its size (rank/row_size.hpp).
 struct RowRemainders {
   std::vector<double> left;             // empty if J is not in joint space
-  double dependent = tolerance::kRank;  // remainders up to this one are dependent rows; it is
-                                        // chosen such that their number is that of the solve
+  double dependent = tolerance::kRank;  // rows with remainders up to this threshold are dependent; it is chosen
+                                        // such that the solve dropped equally many rows
 };
-/// Computes the remainders by two passes of dense Gram-Schmidt. Call solve before.
+/// Computes the remainders of an island's rows after a solve, by two passes of dense Gram-Schmidt.
 RowRemainders row_remainders(const Scene& scene, const SceneData& data, std::size_t island);
 
 }  // namespace internal

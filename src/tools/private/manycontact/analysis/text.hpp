@@ -6,17 +6,17 @@
 
 namespace manycontact::text {
 
-/// "1 robot", "3 robots", "2 velocities".
+/// Returns "1 robot", "3 robots", "2 velocities".
 std::string count(long n, const std::string& noun);
 
-/// "a, b, c and 5 more": at most `most` names, or all of them if only one more is left.
+/// Returns "a, b, c and 5 more": at most `most` names, or all of them if only one more is left.
 std::string join(const std::vector<std::string>& names, std::size_t most = 12, const std::string& between = ", ",
                  const std::string& before_rest = " and ");
 
-/// `x` with `digits` significant digits.
+/// Formats `x` with `digits` significant digits.
 std::string number(double x, int digits = 3);
 
-/// "5 m and 0.1 rad", without sizes below `negligible`.
+/// Returns "5 m and 0.1 rad", without sizes below `negligible`.
 std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible);
 
 }  // namespace manycontact::text

@@ -25,9 +25,9 @@ struct Visual {  // One shape of a link.
 /// Loads all visuals in the order of the file. Shapes other than those of URDF 1.0 are skipped. Throws InputError.
 std::vector<Visual> load_visuals(const std::string& urdf);
 
-/// Finds the file that a URDF calls `name`; "" if there is none. "package://p/rest": rest in a folder p of the URDF's
-/// folder, those above it and those of ROS_PACKAGE_PATH, or in one of these that is called p. "file://": an absolute
-/// path; anything else is relative to the URDF.
+/// Finds the file that a URDF calls `name`; "" if there is none. "package://p/rest" is p/rest in one of these folders,
+/// or rest if the folder is called p: the URDF's folder, the folders above it, and those of ROS_PACKAGE_PATH.
+/// "file://" is an absolute path; any other name is relative to the URDF.
 std::string find_mesh(const std::string& urdf, const std::string& name);
 
 }  // namespace manycontact

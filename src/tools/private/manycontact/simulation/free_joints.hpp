@@ -1,19 +1,19 @@
 #pragma once
-// Floating and planar joints in a semi-implicit Euler step. The velocity of such a joint is expressed in axes that
-// rotate with its body. A step solves for x, the velocity at its end in the axes at its start, and ends with
+// Floating and planar joints in a semi-implicit Euler step. The velocity v of such a joint is expressed in the axes R
+// of its body. A step solves for x, the velocity at its end in the axes at its start, and ends with
 //
 //     p+ = p + h R x_linear        R+ = R exp(h x_angular)        v+ = R+^T R x
 //
-// A velocity that all bodies have in common then changes nothing else (Galilean invariance). A screw motion q (+) h v
-// would displace the origin by h^2 w x v / 2 more, differently for bodies that rotate differently.
+// A common velocity of all bodies then changes no relative motion (Galilean invariance). A screw motion q (+) h v would
+// displace the origin by h^2 w x v / 2 more, with w the angular velocity, which differs between bodies.
 
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact::internal {
 
-/// Computes a = -v / h - w x v, the acceleration for which x = 0. v, a: nv.
+/// Computes a = -v / h - w x v, the acceleration with which the step ends at x = 0. v, a: nv.
 void stop_in_a_step(const Scene& scene, const Eigen::VectorXd& v, double h, Eigen::VectorXd& a);
-/// The derivative of w x v with respect to a free joint's v, in its coordinates.
+/// Returns the derivative of w x v with respect to a free joint's velocity, in the joint's coordinates.
 using OfFreeJoint = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 OfFreeJoint derivative_of_turn(const Joint& joint, const ConstVectorRef& v);
 

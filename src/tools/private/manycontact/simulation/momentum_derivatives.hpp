@@ -1,10 +1,10 @@
 #pragma once
-// Derivatives of the end of a step as in detail/simulation/momentum.hpp. With C a group's centre of mass, P its
-// momentum and L its angular momentum about C, the end q+, v+ of a step satisfies
+// Derivatives of the momentum correction at the end of a step (detail/simulation/momentum.hpp). With C a group's centre
+// of mass, P its momentum and L its angular momentum about C, the end q+, v+ of a step satisfies
 //
 //     C(q+) = C+        P(q+, v+) = P+        L(q+, v+) = L+
 //
-// It is computed from q~, v~ by moving the group by a displacement d and the velocity (u, w) of a rigid motion:
+// The solve gives q~, v~. Then the group is moved by a displacement d and the velocity (u, w) of a rigid motion:
 //
 // clang-format off
 //     dq+ = T dq~ + E dd                          dd   = dC+ - C_q T dq~
@@ -12,13 +12,13 @@
 //                                               I_C dw = dL+ - L_q dq+ - L_v (dv~ + A_q dq+)
 // clang-format on
 //
-// E and A express a displacement and a velocity of the group in the coordinates of its free joints. T is the identity
-// except for free joints on rotating bodies. A coordinate j has the motion subspace column S_j, carries bodies of the
-// group with momentum h_j and inertia Y_j, and the body before its joint has the velocity V:
+// E and A express a displacement and a velocity of the group in the coordinates of its free joints; subscripts q and v
+// are derivatives. T is the identity except for free joints on rotating bodies. Coordinate j has the motion subspace
+// column S_j, carries bodies with momentum h_j and inertia Y_j, and the parent body of its joint has the velocity V:
 //
 //     dh/dv_j = Y_j S_j        dh/dq_j = S_j x* h_j - Y_j (S_j x V)        dC/dq_j = linear part of Y_j S_j / m
 //
-// (A displacement by S_j carries all velocities behind it along except V.) All derivatives are on the tangent space.
+// (A displacement by S_j rotates all velocities of the carried bodies, but not V.) Derivatives are in tangent space.
 
 #include <Eigen/SparseCore>
 
@@ -37,7 +37,7 @@ struct FreeMotionDerivatives {
     Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; only columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
-  std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; empty if tied to the world
+  std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; an entry is empty if tied to the world
   /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference.
   struct Carried {
     Inertia<double> Y;
@@ -47,8 +47,8 @@ struct FreeMotionDerivatives {
   Eigen::MatrixXd turned;        // 3 x n: workspace
 };
 
-/// Computes the derivatives of the state after begin_free_motion with respect to [q v | w]. kin must still be at q, v.
-/// dtau_dx (nv x 2 nv), dtau_dw (nv x nw): derivatives of the torques tau(x, w) given there. Allocates nothing.
+/// Computes the derivatives of C+, P+, L+ of begin_free_motion with respect to [q v | w]. kin must still be at q, v.
+/// dtau_dx (nv x 2 nv), dtau_dw (nv x nw): derivatives of the torques tau(x, w), x = (q, v). Allocates nothing.
 void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
                          const Eigen::SparseMatrix<double>& dtau_dw, const ConstVectorRef& tau, double h,
                          const std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d);

@@ -1,7 +1,7 @@
 #pragma once
 // Detects singular configurations that a motion passes, also between its states. With w a unit vector of contact rows,
 // x = M^-1 J^T w and sigma^2 = w^T J M^-1 J^T w, the smallest sigma measures how close an island's contacts are to
-// losing rank. One inverse iteration per state follows it, by a solve of the island at rest:
+// losing rank. One inverse iteration per state updates the w of this sigma, by a solve of the island at rest:
 //
 //     [ M  J^T ] [  a ]   [ 0 ]
 //     [ J   0  ] [ -f ] = [ w ]      w+ = f / |f|,   x = a / |f|,   sigma^2 = w^T w+ / |f|
@@ -11,19 +11,19 @@
 //
 //     min over s in [0, 1] of | (1 - s) x_k + s x_k+1 |_M
 //
-// A singular state is detected by its rank instead. Inverse iteration: Golub, Van Loan, Matrix Computations, sec. 8.2.
+// A state that is itself singular is detected by its rank. Source: Golub, Van Loan, Matrix Computations, sec. 8.2.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
 struct ClosestPosture {  // The configuration between two states that is nearest to a singular one.
-  double share = 1;      // least sigma between the last state and this one, relative to the largest so far
-  double at = 0;         // where: 0 at the last state, 1 at this one
+  double share = 1;      // least sigma between the last and the current state, relative to the largest sigma so far
+  double at = 0;         // position of the least sigma: 0 at the last state, 1 at the current state
 };
 
 struct PostureData {  // Smallest sigma of each island, and workspace for its solves.
-  /// Allocates for this scene; options are for the solves.
+  /// Allocates for `scene`. `options` are those of the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 
   SceneAtRest rest;
@@ -35,8 +35,8 @@ struct PostureData {  // Smallest sigma of each island, and workspace for its so
   std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its maximum so far
 };
 
-/// Proceeds to the state q (nq) with the contacts flagged `active`. Returns the closest configuration of all islands.
-/// It starts again at the first state, and if the contacts have changed.
+/// Proceeds to the state q (nq) with the contacts flagged `active`. Returns the configuration with the least share of
+/// all islands. Restarts the inverse iteration in the first call, and if `active` has changed.
 ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
                               PostureData& data);
 

@@ -1,22 +1,22 @@
 #pragma once
 // Forces of joints that resist motion, evaluated at the end of a semi-implicit Euler step of any length.
 //
-// The damper d, spring k and PD law of a joint act by -(d + h k) v+ in addition to their values at the start, so that M
-// gets h d + h^2 k on its diagonal, like a rotor's inertia. A spring gets its share of h k v back (spring_share.hpp),
-// with 1/m from M^-1 at q = 0, so that the share does not depend on the state. Coulomb friction is the multiplier of v+
-// = 0 while it is below h F. A joint that sticks gets the inertia h F / kStickVelocity; one that slides gets the
-// constant force. Newton's method finds which joints stick, by minimising
+// A joint's damper d, spring k and PD law add -(d + h k) v+ to their force at the start of the step: the diagonal of M
+// gets h d + h^2 k, like a rotor's inertia. A spring does not resist a share of the start velocity (spring_share.hpp),
+// computed with 1/m from M^-1 at q = 0, independent of the state. Coulomb friction with limit F is the multiplier of
+// v+ = 0 while it is below h F. A sticking joint gets the inertia h F / kStickVelocity, a sliding joint the force F.
+// Newton's method finds which joints stick. With K = M plus these inertias and v0 = K^-1 b, it minimises
 //
 //     min  1/2 (v - v0)^T K (v - v0) + h F sum of huber(v),        huber' = clamp(v / kStickVelocity, -1, 1)
 //
-// with an exact line search. The function is convex and piecewise quadratic, so that finitely many solves suffice; a
-// single one if every joint sticks or slides as in the last step.
+// with an exact line search. The function is convex and piecewise quadratic, so that finitely many solves suffice. One
+// solve suffices if every joint sticks or slides as in the last step.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact::internal {
 
-/// Most solves of a step until friction settles.
+/// Most solves of a step in which Newton's method finds the sticking joints.
 constexpr int kMostSolves = 50;
 /// A joint sticks below this speed [rad/s, m/s].
 constexpr double kStickVelocity = 1e-6;
@@ -27,14 +27,14 @@ struct ResistingJoints {
   // These members have one entry per velocity coordinate.
   Eigen::VectorXd damping;        // N m s / rad
   Eigen::VectorXd friction;       // N m
-  std::vector<signed char> slip;  // 0: sticks; 1, -1: slides in that direction
+  std::vector<signed char> slip;  // 0: sticks; 1, -1: slides in the positive, negative direction
   Eigen::VectorXd added, to_add;  // h d + h^2 k of the last factorization, and of this step
   Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
-  Eigen::VectorXd kept, kept_k;   // joint springs: share of v that they do not resist; this share of h^2 k
+  Eigen::VectorXd kept, kept_k;   // joint springs: share of v that they do not resist; that share times h^2 k
   std::vector<int> rubbing;       // coordinates with friction
 
-  bool vary = false;                           // added inertias may change: equal robots have separate models
-  std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's or a shared one
+  bool vary = false;                           // added inertias may change: robots then do not share models
+  std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
   // Newton's method, per entry of `rubbing`: v and K (v - v0) before and after a solve.
   bool begun = false;
@@ -45,7 +45,7 @@ struct ResistingJoints {
   void find(const Scene& scene, const PdLaws& pd, double h);
   /// Returns the scene with to_add in its armatures, and without dampers and friction.
   Scene with_inertias(const Scene& scene);
-  /// Whether the scene made by with_inertias is valid for to_add. If not, another one must be made.
+  /// Whether the scene made by with_inertias is valid for to_add. If not, with_inertias must be called again.
   bool fits(const Scene& scene) const;
 
   /// Sets the inertias of joints that stick, before each solve.
@@ -54,13 +54,13 @@ struct ResistingJoints {
   double inertia(int i, double h) const {
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
-  /// The part of that inertia that resists v.
+  /// The part of inertia(i, h) that resists v.
   double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }
-  /// b -= scale F of the joints that slide.
+  /// Subtracts scale times the friction force of sliding joints from b (nv).
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
   }
-  /// Whether joints slide and stick as v+ (nv) implies; if not, changes which do. islands: prepared data of `scene`.
+  /// Whether `slip` agrees with v+ (nv); if not, updates `slip` for the next solve. islands: prepared data of `scene`.
   [[nodiscard]] bool settles(const Scene& scene, const SceneData& islands, double h, const Eigen::VectorXd& v_next);
 };
 

@@ -1,26 +1,26 @@
 #pragma once
-// Steps that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and the mass
-// m that moves along it, its motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
-// lambda^2 + (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h;
-// it keeps the energy of springs with h omega << 1 and dissipates that of springs with h omega > 2 within few steps. m
-// includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. It is computed for each
-// spring and joint separately: several on one body allow shorter steps only.
+// Steps h that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and the
+// mass m that a spring moves, the motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
+// lambda^2 + (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h.
+// With omega^2 = k/m, it keeps a spring's energy if h omega << 1, and dissipates it within few steps if h omega > 2.
+// The mass includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. Each spring and
+// joint is examined alone; several springs on one body need shorter steps.
 
 #include "manycontact/simulation/step.hpp"
 
 namespace manycontact {
 
 struct SpringMobilities {             // 1/m of bodies on springs and dampers, in one configuration.
-  std::vector<Mat3<double>> springs;  // one entry per spring between points: relative acceleration of A's end and
-                                      // B's by a unit force on A and its opposite on B, in world axes [1/kg]
+  std::vector<Mat3<double>> springs;  // one entry per spring between points: acceleration of the end on A relative to
+                                      // B by a unit force on A and its opposite on B, in world axes [1/kg]
   Eigen::VectorXd joints;             // nv: joint coordinates with springs, dampers, PD laws or friction; 0 at others
 };
 /// Computes mobilities at q (nq), with the contacts flagged `active`; zero if nothing moves or the solve failed. Each
-/// joint takes a solve; joints of a robot with more than a hundred springs and dampers in joints get infinity instead.
+/// joint takes a solve. If a robot has more than a hundred joints with forces, they get infinite mobility instead.
 SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                    const Eigen::VectorXd& q);
 
-/// The largest stable step of RK4 [s], or the largest one of semi-implicit Euler that resolves it. k, c: divided by m.
+/// The largest step [s] with which RK4 is stable or semi-implicit Euler resolves the oscillation. k, c: divided by m.
 double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
