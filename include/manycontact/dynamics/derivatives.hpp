@@ -11,9 +11,9 @@ namespace manycontact {
 /// Selects the variables to differentiate with respect to. Columns that are not requested cost nothing.
 struct DerivativeRequest {
   bool q = true, v = true, u = true;
-  bool forces = true;   // whether to compute dforces_*; the blocks da_* are always computed
-  bool tau = false;     // whether da_du, dforces_du are with respect to the torques of all velocity coordinates: nv
-                        // columns instead of nu
+  bool forces = true;     // whether to compute dforces_*; the blocks da_* are always computed
+  bool tau = false;       // whether da_du, dforces_du are with respect to the torques of all velocity coordinates: nv
+                          // columns instead of nu
   bool wrenches = false;  // whether to compute da_dw, dforces_dw
   bool operator==(const DerivativeRequest&) const = default;
 };

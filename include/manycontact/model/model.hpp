@@ -60,7 +60,7 @@ struct Model {  // A robot's joints, frames and inertias.
   std::vector<int> tree_of;      // one entry per joint: the number of its tree
   std::vector<char> on_path;     // one entry per joint: whether it is on its tree's path
   std::vector<int> M_begin;      // nv+1: start of row i of the packed M (detail/algorithm/crba.hpp). Empty if the
-                             // tree is so deep that M has 2^31 entries or more.
+                                 // tree is so deep that M has 2^31 entries or more.
   /// Shared by models that are identical except for names, masses, placements, armatures, damping, friction and limits.
   /// The analysis of one of these models is valid for all of them.
   std::shared_ptr<const struct ModelStructure> structure;

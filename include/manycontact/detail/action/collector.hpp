@@ -69,7 +69,7 @@ struct DataCollector {  // The data that residuals depend on.
  public:
   const bool whole;                    // whether the data are standalone; parts then have whole matrices
   MultibodyData* pinocchio = nullptr;  // null unless the data are standalone
-  Scene& scene;         // the state's robots; contacts in the order of their names; damping; armature
+  Scene& scene;                        // the state's robots; contacts in the order of their names; damping; armature
   SceneData& solution;  // kinematics are those of the last calc, all other members those of the last calc(data, x, u)
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;

@@ -64,8 +64,8 @@ struct ContactData {
   ContactData(const Contact& contact, const ContactSupport& support);  // allocates the workspace
 
   // Computed by contact_rows.
-  SE3<S> aMA, bMA;  // A in the tree frame of A's body, and of B's (B in the world: relative to B', in A's axes)
-  SE3<S> G;         // B'MA, placement of A in B'
+  SE3<S> aMA, bMA;         // A in the tree frame of A's body, and of B's (B in the world: relative to B', in A's axes)
+  SE3<S> G;                // B'MA, placement of A in B'
   Vec3<S> on_A, on_B;      // origins of A and B in their bodies' frames [m]; zero for B in the world
   Vec6<S> vA, vB, aA, aB;  // velocities, accelerations (qdd = 0, minus gravity) of A, and of B' times X
   Vec6<S> nu, nudot, x;    // motions of A relative to B' (file header); for points x's angular part is zero

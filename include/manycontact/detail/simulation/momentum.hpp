@@ -31,7 +31,7 @@ namespace manycontact {
 
 /// A group of bodies and its momentum; C, P, L, h are those of the file header.
 struct FreeGroup {
-  bool tied = true;  // whether the group is connected to the world, or is empty; other members are then unset
+  bool tied = true;       // whether the group is connected to the world, or is empty; other members are then unset
   bool in_plane = false;  // whether the group can move only in the plane across `normal`
   Vec3<double> normal;    // unit vector in the world
 

@@ -141,9 +141,9 @@ class InterfaceContacts {
  public:
   struct Rows {
     const Contact* contact;
-    double *A, *B;  // JoinedEnd of either body; the columns of J of that body's robot overwrite it
-    double* a0;     // output: a0, one entry per row
-    double* left;   // output for a pair: ContactData::left
+    double *A, *B;                // JoinedEnd of either body; the columns of J of that body's robot overwrite it
+    double* a0;                   // output: a0, one entry per row
+    double* left;                 // output for a pair: ContactData::left
     double smallest_row, motion;  // output: size of the smallest row of J, and motion scale of the rows
   };
   /// Input and output of derivatives at the solution.

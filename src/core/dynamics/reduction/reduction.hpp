@@ -38,7 +38,7 @@ struct Reduction {
   std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
   std::vector<std::shared_ptr<PairRows>> pairs;          // rows of each pair, in the order of the pairs' contacts
   std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs ever had; SIMD batches compare addresses
-  std::unique_ptr<SceneData> data;  // data of the reduced scene
+  std::unique_ptr<SceneData> data;                       // data of the reduced scene
   // data of the scene without reduction, for derivatives of damped sliding contacts; has a solution if up to date
   std::unique_ptr<SceneData> plain;
   std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene

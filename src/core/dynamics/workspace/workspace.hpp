@@ -119,7 +119,7 @@ struct Workspace {
   // set by prepare if contacts are reduced to pairs; `islands` are then prepared on demand (prepare_islands)
   std::unique_ptr<Reduction> pairs;  // nullptr: no contacts may be reduced
   Reduction* reduction = nullptr;    // == pairs.get() if any contacts are reduced; the reduced scene is then solved
-  std::vector<char> islands_active;        // active contacts for which `islands` were prepared
+  std::vector<char> islands_active;  // active contacts for which `islands` were prepared
   std::optional<Options> islands_options;  // options for which `islands` were prepared; nullopt: not prepared
 
   InLanes lanes;

@@ -262,7 +262,7 @@ class RobotBlock final
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements share, or nullptr
-  S smallest_row_, motion_;  // size of the smallest row of J; motion scale of the contacts
+  S smallest_row_, motion_;                              // size of the smallest row of J; motion scale of the contacts
   bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; if not, another system must solve
 
   Numbers n_;

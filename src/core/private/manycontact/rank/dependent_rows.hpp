@@ -28,8 +28,7 @@ struct DependentRows {
   std::vector<double> Nx;       // values of N, by columns; the first is the dropped row's own 1
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
-  double largest_projected =
-      0;                    // max |z_j| of columns not orthonormalised: P's error is eps times its square
+  double largest_projected = 0;  // max |z_j| of columns not orthonormalised: P's error is eps times its square
   int largest_cluster = 0;  // largest number of entries of B in a cluster
 
   /// Whether the dropped rows depend on the kept rows with tolerable z_j, after find_null_space: residuals of J are
