@@ -213,7 +213,8 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   rows.met.assign(K.n, 0);
   for (std::vector<double>* panel : {&rows.N, &rows.residual})
     panel->assign(static_cast<std::size_t>(K.n) * kColumns, 0.0);
-  // Reserve the most: the number of listed rows varies with rounding, and memory must not.
+  // Reserve the most: refinements and the number of listed rows vary with rounding, and memory must not.
+  rows.x.reserve(static_cast<std::size_t>(K.n) * kColumns);
   for (std::vector<int>* listed : {&rows.of_N, &rows.touched}) listed->clear(), listed->reserve(K.n);
   take_later_entries(K, of_M, rows);
 }

@@ -116,6 +116,7 @@ class LdlFactor final : public Factor {
              : std::ssize(dependence_.dropped) < most ? Reason::kWrongInertia
                                                       : Reason::kSmallPivot;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
+    if (!dependence_.dropped.empty()) (void)ldl_.work();  // whether columns need refinement varies, and memory must not
     const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), p.of_M, row_size_.data(), ldl_.L.data(),
                                              ldl_.D.data(), solve_, dependence_);
     return found && std::isfinite(growth_) ? Reason::kNone : Reason::kSmallPivot;

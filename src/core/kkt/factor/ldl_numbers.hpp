@@ -15,6 +15,7 @@ struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
   const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp
   std::vector<double> L, D;
+  std::vector<char> nonzero;  // scratch: flags of rows
   std::vector<int> same;  // the identity permutation 0, 1, 2 ...
 
   /// Prepares for a pattern. method: kSparseLdl uses the schedule, kSuiteSparseLdl uses SuiteSparse's LDL.
@@ -23,6 +24,7 @@ struct LdlNumbers {
     schedule = method == Method::kSparseLdl && p->schedule().compiled() ? &p->schedule() : nullptr;
     L.resize(p->ldl.nonzeros());
     D.resize(p->size());
+    nonzero.resize(p->size());
     same.resize(p->size());
     std::iota(same.begin(), same.end(), 0);
     pattern = p;
@@ -63,11 +65,10 @@ struct LdlNumbers {
   }
 
   /// Solves for the first `cols` columns of a row-major panel with row stride ld, whose rows are in K's order.
-  void solve_in_order(double* X, int ld, int cols) const {
+  void solve_in_order(double* X, int ld, int cols) {
     if (cols == 1 && ld == 1) return solve(X);
     if (!schedule) return sparse::ldl_solve_panel(pattern->ldl, L.data(), D.data(), nullptr, X, ld, 0, cols, nullptr);
-    thread_local std::vector<char> nonzero;
-    nonzero.assign(D.size(), 1);
+    std::fill(nonzero.begin(), nonzero.end(), 1);
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
