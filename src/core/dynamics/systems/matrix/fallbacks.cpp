@@ -187,13 +187,13 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Adds LDL with waiting rows of J, unless too many depend: at least nc - nv. Then, and in large islands where too many
-// rows may wait, it adds proximal steps, and before these LDL with all rows if their pivots may be sound (`plainly`).
+// Adds LDL with waiting rows, unless the nc - nv rows that surely depend are too many in a large island. There it also
+// adds LDL of all rows, if sound pivots are expected (`plainly`), and then proximal steps.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
+  const bool large = m.owner.island.nc > tolerance::kFewRows;
   const int depend = m.owner.island.nc - m.owner.island.nv;
-  const bool few_depend = depend <= tolerance::kMostWaiting;
-  if (few_depend) out.add({FactorKind::kWaiting, order, 0});
-  if (few_depend && m.owner.island.nc <= tolerance::kFewRows) return;
+  if (!large || depend <= tolerance::kMostWaiting) out.add({FactorKind::kWaiting, order, 0});
+  if (!large) return;
   if (plainly && depend <= 0) out.add({FactorKind::kChosen, order, 0});
   out.add({FactorKind::kProximal, order, 0});
 }
