@@ -360,6 +360,9 @@ TEST_P(InLanes, TermsAreEvaluatedForWhoReadsThem) {
   (void)solve(h.scene, h.q, h.v, h.u, data);
   (void)solve(h.scene, h.q, h.v, h.u, off);
   const VectorXd a = data.a;
+  Scene other = h.scene;
+  other.robots[0].model = std::make_shared<const Model>(*other.robots[0].model);
+  EXPECT_THROW((void)robot_kinematics(other, data, 0), std::invalid_argument);
   const Kinematics<double>& kin = robot_kinematics(h.scene, data, 0);
   EXPECT_EQ(&robot_kinematics(h.scene, data, 0), &kin);
   StaticTorque at_rest(h.scene), at_rest_off(h.scene);

@@ -26,7 +26,7 @@ const Workspace& solver(const SceneData& data) { return *data_solved(data).works
 
 // Returns an island, and evaluates its terms at the state of the solution.
 IslandWork& evaluated(const Scene& scene, const SceneData& data, std::size_t island) {
-  internal::check_solved(scene, data, "views of a scene's data");
+  internal::check_solved(scene, data, "views of a scene's data", &solved_island(data, island));
   internal::prepare_islands(scene, data);
   IslandWork& d = *data.workspace->islands.at(island);
   if (internal::joint_space_fits(d))

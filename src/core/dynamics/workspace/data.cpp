@@ -36,16 +36,17 @@ SceneData& SceneData::operator=(SceneData&&) noexcept = default;
 
 namespace internal {
 
-void check_scene(const Scene& scene, const SceneData& data, const char* function) {
+void check_scene(const Scene& scene, const SceneData& data, const char* function, const Island* island) {
   if (!data.workspace) throw std::logic_error(std::string(function) + ": the data were moved from");
-  const std::string difference = data.workspace->scene.difference(scene);
+  const SceneIdentity& identity = data.workspace->scene;
+  const std::string difference = island ? identity.difference(scene, *island) : identity.difference(scene);
   if (!difference.empty())
     throw std::invalid_argument(std::string(function) + ": the data do not fit the scene: " + difference +
                                 "; make new data");
 }
 
-void check_solved(const Scene& scene, const SceneData& data, const char* function) {
-  check_scene(scene, data, function);
+void check_solved(const Scene& scene, const SceneData& data, const char* function, const Island* island) {
+  check_scene(scene, data, function, island);
   if (data.serial == 0) throw std::logic_error(std::string(function) + ": solve first");
   if (data.workspace->active != data.active)
     throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");

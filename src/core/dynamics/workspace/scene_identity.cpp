@@ -39,14 +39,33 @@ const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
   return differ(was.axis, is.axis) ? "axis" : nullptr;
 }
 
-std::string SceneIdentity::difference(const Scene& scene) const {
+std::string SceneIdentity::difference_of_counts(const Scene& scene) const {
   if (models_.size() != scene.robots.size()) return counts("robots", models_.size(), scene.robots.size());
   if (contacts_.size() != scene.contacts.size()) return counts("contacts", contacts_.size(), scene.contacts.size());
-  for (std::size_t r = 0; r < models_.size(); ++r)
-    if (models_[r] != scene.robots[r].model) return "robot '" + scene.robots[r].name + "' has another model";
-  for (std::size_t c = 0; c < contacts_.size(); ++c)
-    if (const char* what = changed(contacts_[c], scene.contacts[c]))
-      return "contact '" + scene.contacts[c].name + "' has another " + what;
+  return "";
+}
+std::string SceneIdentity::difference_of_robot(const Scene& scene, std::size_t r) const {
+  return models_[r] == scene.robots[r].model ? "" : "robot '" + scene.robots[r].name + "' has another model";
+}
+std::string SceneIdentity::difference_of_contact(const Scene& scene, std::size_t c) const {
+  const char* what = changed(contacts_[c], scene.contacts[c]);
+  return what ? "contact '" + scene.contacts[c].name + "' has another " + what : "";
+}
+
+std::string SceneIdentity::difference(const Scene& scene, const Island& island) const {
+  std::string out = difference_of_counts(scene);
+  for (std::size_t k = 0; out.empty() && k < island.robots.size(); ++k)
+    out = difference_of_robot(scene, island.robots[k]);
+  for (std::size_t k = 0; out.empty() && k < island.contacts.size(); ++k)
+    out = difference_of_contact(scene, island.contacts[k]);
+  return out;
+}
+
+std::string SceneIdentity::difference(const Scene& scene) const {
+  std::string out = difference_of_counts(scene);
+  for (std::size_t r = 0; out.empty() && r < models_.size(); ++r) out = difference_of_robot(scene, r);
+  for (std::size_t c = 0; out.empty() && c < contacts_.size(); ++c) out = difference_of_contact(scene, c);
+  if (!out.empty()) return out;
   return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // a scene without any is accepted
 }
 

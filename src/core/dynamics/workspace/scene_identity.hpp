@@ -1,6 +1,7 @@
 #pragma once
 // A SceneIdentity stores the properties of a scene that must not change while data are in use (data.hpp).
 
+#include "manycontact/detail/kkt/island.hpp"
 #include "manycontact/model/scene.hpp"
 
 namespace manycontact {
@@ -10,8 +11,13 @@ class SceneIdentity {
   explicit SceneIdentity(const Scene& scene);
   /// Describes how `scene` differs from the scene stored; empty if it does not.
   std::string difference(const Scene& scene) const;
+  /// Describes a difference in the numbers of robots and contacts, or in those of an island. Its cost is the island's.
+  std::string difference(const Scene& scene, const Island& island) const;
 
  private:
+  std::string difference_of_counts(const Scene& scene) const;
+  std::string difference_of_robot(const Scene& scene, std::size_t r) const;
+  std::string difference_of_contact(const Scene& scene, std::size_t c) const;
   std::string difference_of_forces(const Scene& scene) const;
   std::vector<std::shared_ptr<const Model>> models_;  // owned, so that no other model gets the same address
   struct OfContact {

@@ -153,10 +153,11 @@ struct Workspace {
 
 namespace internal {
 
-/// Throws std::invalid_argument, naming `function`, if data are not of this scene.
-void check_scene(const Scene& scene, const SceneData& data, const char* function);
+/// Throws std::invalid_argument, naming `function`, if data are not of this scene. With an island, only its
+/// robots and contacts are compared, so that a check of each island costs no more than one of the scene.
+void check_scene(const Scene& scene, const SceneData& data, const char* function, const Island* island = nullptr);
 /// Calls check_scene, and throws std::logic_error unless data contain a solution for the active contacts.
-void check_solved(const Scene& scene, const SceneData& data, const char* function);
+void check_solved(const Scene& scene, const SceneData& data, const char* function, const Island* island = nullptr);
 /// Calls check_solved, and throws std::logic_error if accelerations were prescribed (dynamics/solve_prescribed.hpp).
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function);
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected);
