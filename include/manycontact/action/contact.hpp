@@ -19,7 +19,8 @@ struct SpatialForce : Vec6<double> {
   auto angular() const { return tail<3>(); }              // the moment
 };
 
-/// The force on A at A's origin, in the contact's reference frame: nc numbers, and the wrench with Pinocchio's names.
+/// The force on A at A's origin, in the contact's reference frame. The vector has the nc constrained components; the
+/// functions with Pinocchio's names return the whole wrench.
 struct ContactForce : Eigen::VectorXd {
   using Eigen::VectorXd::VectorXd;
   using Eigen::VectorXd::operator=;
@@ -248,7 +249,8 @@ struct ContactItem {  // A contact, its name, and whether it is active.
 struct ContactDataMultiple {  // The data of a stack's contacts, by name.
   std::map<std::string, std::shared_ptr<ContactDataAbstract>> contacts;
 
-  // Set in standalone evaluation: rows of the active contacts, in the order of names.
+  // Rows of the active contacts, stacked in the order of the map's keys. They are set only if the contacts are
+  // evaluated standalone, without an action model.
   Eigen::MatrixXd Jc, da0_dx;      // nc_total x nv, nc_total x ndx: set by calc, calcDiff
   Eigen::VectorXd a0;              // nc_total: set by calc
   Eigen::VectorXd dv;              // nv: set by updateAcceleration

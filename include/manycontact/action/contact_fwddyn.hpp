@@ -79,9 +79,9 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   /// Method and order of the solves, for data created afterwards.
   const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }  // for data created afterwards
-  /// The initial state of motions (nx); empty, as initially: not specified. Some closed mechanisms have contact rows
-  /// that depend linearly on others in this state. All solves of data created afterwards treat these rows as dependent,
-  /// even if integration errors have slightly opened the mechanism's loop.
+  /// The initial state of motions (nx); an empty vector, the default, specifies none. Some closed mechanisms have
+  /// contact rows that depend linearly on others in this state. All solves of data created afterwards treat these rows
+  /// as dependent, even if integration errors have slightly opened the mechanism's loop.
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 

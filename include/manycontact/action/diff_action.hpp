@@ -106,8 +106,9 @@ class NodeOf : public NodeAbstract {
   virtual DataPtr createData() = 0;                                        // creates data; each thread needs its own
   virtual bool checkData(const DataPtr& data) { return data != nullptr; }  // whether this model created the data
 
-  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. By default at most maxiter
-  /// Gauss-Newton steps minimise xout, in discrete time xnext (-) x, until a step is shorter than tol.
+  /// Computes controls u (nu) that keep x at rest; in continuous time v must be 0. The default makes at most maxiter
+  /// Gauss-Newton steps from u = 0, which minimise |xout|, or |xnext (-) x| in discrete time. The first step that
+  /// is not longer than tol is the last.
   virtual void quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter = 100,
                            double tol = 1e-9) = 0;
   /// Returns the controls that quasiStatic computes.

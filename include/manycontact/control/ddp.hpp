@@ -73,8 +73,9 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// kNoStep also if steps remain short: the candidate is then too far from the solution for one backward pass.
   StopReason descend(std::size_t maxiter);
   void allocateDescent();  // allocates the memory of `descend` before its first call
-  /// Sets whether a solve checks its result: with control limits as in box_solvers.hpp, otherwise by the stopping value
-  /// at the least regularisation. False if an outer solver checks the result.
+  /// Sets whether a solve checks its result; true initially. With control limits, the check is that of box_solvers.hpp.
+  /// Otherwise the solve computes the stopping value again at the least regularisation. Use false if an outer solver
+  /// checks the result.
   void set_judges(bool judges) { judges_ = judges; }
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step

@@ -16,7 +16,8 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   void forwardPass(double steplength) override;
   /// A step from a candidate with gaps may increase the cost by up to this multiple of the expected increase.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
-  /// Sets the accepted multiple of the expected increase. Throws std::invalid_argument if it is negative.
+  /// Sets by which multiple of the expected increase a step from a candidate with gaps may increase the cost. Throws
+  /// std::invalid_argument if the multiple is negative.
   void set_th_acceptnegstep(double x) {
     internal::kNotNegative.set(th_acceptnegstep_, x, "SolverFDDP::set_th_acceptnegstep");
   }

@@ -46,8 +46,8 @@ const Eigen::VectorXd& bias_torques(const Scene& scene, const SceneData& data, i
 const ContactData<double>& contact_data(const Scene& scene, const SceneData& data, int contact);
 /// The velocity coordinates that the contact acts on.
 const ContactSupport& contact_support(const Scene& scene, const SceneData& data, int contact);
-/// The constraint rows of an active contact at the accelerations of the solution, and their derivatives. Call these
-/// functions after differentiate.
+/// The constraint rows of an active contact, evaluated with the accelerations of the solution: their a0 is J a + a0 of
+/// contact_data. contact_derivatives returns the derivatives of these rows. Call both functions after differentiate.
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact);
 const ContactDerivatives& contact_derivatives(const SceneData& data, int contact);
 

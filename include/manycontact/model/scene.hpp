@@ -67,8 +67,8 @@ inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0;
 
 struct PairRows;  // defined in the private module contact
 
-/// A bilateral contact between frame A on a robot and frame B' on another body or in the world
-/// (detail/contact/rows.hpp).
+/// A bilateral contact between frame A on a robot and frame B' on another body or in the world. The members `A` and `B`
+/// place these two frames. Their constraint rows are defined in detail/contact/rows.hpp.
 struct Contact {
   std::string name;
   ContactType type = ContactType::k6D;

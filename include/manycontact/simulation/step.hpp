@@ -96,7 +96,8 @@ struct PdLaws {
   Eigen::VectorXd q_ref, v_ref;  // references at the end of the step [rad, rad/s]; RK4 uses them at all stages
 };
 
-/// Work of forces in a step, each force times the mean of the velocities before and after [J].
+/// The work of forces in a step [J]. Semi-implicit Euler multiplies each force by h times the mean of the velocities
+/// before and after the step. RK4 adds h times the power at each stage, times the stage's weight.
 struct StepWork {
   double pd = 0, dampers = 0, friction = 0;  // PD laws; dampers in joints and between points; joint friction
   double springs = 0;                        // numerical damping of springs too fast for h: their work on the bodies

@@ -13,7 +13,8 @@
 
 namespace manycontact {
 
-/// Simulations of one scene. Numbers in the scene may change, its structure must not. Do not use it in two threads.
+/// Simulations of one scene. Numbers in the scene may change, but its structure must not. Only one thread at a time may
+/// use a batch.
 struct SimulationBatch {
   /// Starts one simulation at each row of q (scene.nq columns) and v (nv columns), with steps of h [s]. threads: 0
   /// takes OpenMP's number. Throws std::invalid_argument for a wrong size or number of threads, or an h that is not

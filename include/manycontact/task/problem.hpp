@@ -34,7 +34,7 @@ bool has_constraints(const TaskFile& task);
 ///
 /// Throws InputError, with file and line, if a term does not fit the models, or nodes do not fit into memory.
 TaskProblem make_problem(const TaskFile& task, TaskSolver solver);
-/// Makes the problem for the task's own solver.
+/// Makes the problem for the solver that the task file selects (TaskFile::solver).
 TaskProblem make_problem(const TaskFile& task);
 
 struct TaskNode {       // A node of a task's horizon.

@@ -13,8 +13,8 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// Moves R, r from joint to child frame, and sets the nonzero entries of J, the joint's columns about the child's
-// origin.
+// Moves the rotation R and the origin r of the joint frame to the child frame at q. Sets the nonzero entries of J, the
+// joint's motion subspace about the child's origin.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   S s, c;

@@ -1,6 +1,9 @@
 #include "manycontact/detail/contact/rows.hpp"
 
+#include <type_traits>
+
 #include "manycontact/contact/pair_motion.hpp"
+#include "manycontact/spatial/double_double.hpp"
 #include "spatial/pack_explog.hpp"
 
 namespace manycontact {
@@ -33,12 +36,18 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
 
 namespace {
 
-// Placement of an attachment's frame in its robot's tree frame; on a fixed base, relative to the base's origin.
+// Returns the placement of an attachment's frame in its robot's tree frame (detail/algorithm/kinematics.hpp), on a
+// fixed base relative to the base's origin. In double-double, a step of Newton's method makes rotation R orthogonal:
+// R is a product of rotations rounded to double. J and a0 both contain R^T, so that J^T a0 would otherwise have
+// errors of eps |a0|, where eps is that of double.
 template <class S>
 SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
-  if (at.joint >= 0) return kin.oMi[at.joint] * at.placement.cast<S>();
-  const SE3<double>& base = scene.robots[at.robot].base;
-  return SE3<S>{base.R.cast<S>(), Vec3<S>::Zero()} * at.placement.cast<S>();
+  SE3<S> M = at.joint >= 0 ? kin.oMi[at.joint]
+                           : SE3<S>{scene.robots[at.robot].base.R.template cast<S>(), Vec3<S>::Zero()};
+  M = M * at.placement.cast<S>();
+  if constexpr (std::is_same_v<S, DoubleDouble>)
+    M.R = S(0.5) * M.R * (S(3) * Mat3<S>::Identity() - M.R.transpose() * M.R);
+  return M;
 }
 
 // Origin, in the world, of the frame of `place`. A fixed base's kin is not used, as it may be of an earlier state.

@@ -155,7 +155,7 @@ void reserve(const Island& island, Words& key) {
 
 }  // namespace
 
-const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
+const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
   // All shapes of the program: data of one scene, such as the nodes of a horizon, share analyses, which then stay in
   // the processor's caches. The key identifies a shape's models by their addresses while the models exist.
   static Interned<IslandShape> at_hand;
@@ -166,7 +166,7 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
   auto [fresh, places] = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
-  if (by_places || is_deep(*fresh)) {
+  if (is_deep(*fresh)) {
     const auto& deep = shapes_.try_emplace(places, std::move(fresh)).first->second;
     return by_places_.try_emplace(places, deep).first->second;
   }

@@ -123,9 +123,9 @@ void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const Sce
   }
   for (const RankGap& gap : gaps)
     if (close(gap))
-      to.close_rows.push_back("of " + name(gap.kept) + ", which is accepted, the preceding rows leave " +
-                              scientific(gap.least_kept) + " of its norm, of " + name(gap.dropped) +
-                              ", which is rejected, " + scientific(gap.most_dropped));
+      to.close_rows.push_back("row " + name(gap.kept) + " is accepted, although only " + scientific(gap.least_kept) +
+                              " of its norm is orthogonal to the rows accepted before; row " + name(gap.dropped) +
+                              " is rejected with " + scientific(gap.most_dropped));
 }
 
 Findings find(const SceneFile& file, const SceneData& data) {

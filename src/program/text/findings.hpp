@@ -53,7 +53,7 @@ std::string in_words(const Scene& scene, const LimitPassed& limit);
 /// Returns "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient".
 std::string in_words(const Scene& scene, const Violation& violation);
 
-/// Returns "slides across rows that turn with A, ...".
+/// Returns "foot slides across its rows, which turn with A: ...".
 std::string in_words(const Scene& scene, const TurningRows& rows);
 
 /// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."

@@ -107,7 +107,8 @@ void make_consistent(SceneFile& file) {
         file.path, file.consistent_line,
         "consistent=\"true\" is set, but " + what + ", expected contacts that can be satisfied near this q and v");
   };
-  if (found.status == Status::kFailed) refuse("a robot has no inertia there, so that there is no nearest state");
+  if (found.status == Status::kFailed)
+    refuse("a robot's inertia matrix is singular near this q, so that no nearest state exists");
   if (!found.misplaced.empty()) refuse(worst_in_words(scene, found.misplaced, "out of place"));
   if (!found.moving.empty()) refuse(worst_in_words(scene, found.moving, "moving"));
   const std::vector<std::string> names = velocity_names(scene);

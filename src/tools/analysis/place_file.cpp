@@ -42,8 +42,8 @@ std::string owner(const ScenePose& pose) {
       in_words(PlacementError{0, worst->position, worst->angle}) +
       (found.out_of_steps ? " after " + text::count(found.iterations, "step") + " of a search that still came nearer"
                           : "") +
-      ", expected poses that can be met together, within the joints' limits, from this q"
-      " (restarts of <scene> searches from others)";
+      ", expected poses that can be met together within the joints' limits, by a search from this q"
+      " (with the attribute restarts of <scene> it also starts from random joints)";
   if (g >= poses.size())
     throw InputError(file, line, "with these poses contact " + quote(goals[g].name) + " remains out of place by " + by);
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);

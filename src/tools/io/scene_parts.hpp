@@ -94,7 +94,7 @@ class EndReader {
   End read_first(const Element& e, const char* attribute);
   /// Reads the attributes frame, to and wrap.
   EndPair read_pair(const Element& e);
-  /// Looks up the robot or copies that an attribute names; `frame` remains empty.
+  /// Looks up the robot, or the group of copied robots, that an attribute names. The end's `frame` remains empty.
   End robot(const Element& e, const char* attribute, const std::string& name) const;
 
  private:

@@ -129,7 +129,9 @@ void TermReader::read_reference(const Element& e, const char* attribute, TaskTer
     for (const Element& next : e.children("pose")) read_pose(next, scene_.scene, ends_, term.poses);
     return;
   }
-  if (pose) pose->fail("<pose> in a <" + e.name() + "> without reference=\"pose\", expected one of type state with it");
+  if (pose)
+    pose->fail("<pose> in a <" + e.name() +
+               "> of another type or without reference=\"pose\", expected type state with reference=\"pose\"");
   if (!e.has(attribute)) return;
   const auto list = parse_numbers(e.where(attribute), e.label(attribute), e.required(attribute),
                                   static_cast<std::size_t>(reference_size(term)));

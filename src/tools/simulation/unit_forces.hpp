@@ -24,7 +24,8 @@ class UnitTorques {
   void place(const Scene& scene, const Eigen::VectorXd& q);
   void clear();
   void add(const UnitForce& force, double amount);
-  /// Returns the torques U x of the added forces (nv), a reference that is valid until the next call.
+  /// Returns the torques U x (nv), where x are the amounts of the added forces. The reference is valid until the next
+  /// call.
   const Eigen::VectorXd& torques();
   /// Stores a velocity or acceleration a (nv), of which `along` returns components. Clears the sum of added forces.
   void look(const Eigen::VectorXd& a);

@@ -77,8 +77,8 @@ inline constexpr double kExchanged = 2;
 /// Coefficients z_j below this are rounding errors; the coefficient of the dropped row itself is 1.
 inline constexpr double kNullEntry = 1e-15;
 
-/// A column n of N is refined while J^T n exceeds this part of J's entries. It is accepted below kRowLeft, which is ten
-/// times as large.
+/// A column n of the null space basis N is refined while |J^T n| exceeds this fraction of J's entries, at most
+/// kNullColumnSteps times. It is accepted up to the fraction kRowLeft, which is ten times as large.
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 

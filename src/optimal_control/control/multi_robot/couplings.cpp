@@ -21,7 +21,7 @@ std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vecto
   for (std::size_t i = 0; i < robots.size(); ++i)
     for (const int r : robots[i]) {
       require(r >= 0 && r < scene.nrobots() && out[r] < 0, kCouplings,
-              "a robot that does not exist or is another part's, one part's is expected");
+              "a part has a robot that does not exist or belongs to another part, each robot in one part is expected");
       out[r] = static_cast<int>(i);
     }
   for (const int i : out) require(i >= 0, kCouplings, "a robot is no part's");

@@ -139,7 +139,8 @@ void check_joint_space(const IslandWork& d, const char* function, const char* in
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
 /// Multiplies the contact rows of K and b by S, unless S = 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);
-/// Factorizes and solves by the first sound attempt, after evaluate; sets v.x, factor, report. False: none is sound.
+/// Factorizes K and solves by the first attempt that is sound. Sets system.v.x, system.factor and report; evaluate must
+/// have been called before. Returns false if no attempt is sound.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
 /// A way to factorize K: the chosen method; LDL in which rows of J without a sound pivot wait, i.e. are eliminated last
@@ -176,8 +177,9 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Add the effect of dJ^T on inconsistent contacts to -dr2, the right-hand sides of contact rows: in out.X, or its
-/// product with dq in `work`. Return false if the effect is inaccurate.
+/// Add to the right-hand sides of contact rows the effect of dJ^T rho on the least-squares acceleration, where rho is
+/// the contacts' inconsistency J a + a0 (least_norm_forces.cpp). The first function changes out.X; the second adds the
+/// product of the effect with dq to work.y. Both return false if the effect is inaccurate.
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,

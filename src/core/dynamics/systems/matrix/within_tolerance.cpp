@@ -48,7 +48,7 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // One entry per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j e_j| and sum_j (n_j e_j)^2, e_j the error of J_jc / t.
+  // One entry per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j e_j|; sum_j (n_j e_j)^2. The error of J_jc is t e_j.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };

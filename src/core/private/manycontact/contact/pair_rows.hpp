@@ -41,8 +41,9 @@ inline int kind_of(const Contact& contact) {
 /// Whether a contact's rows are constant in A's axes.
 inline bool has_constant_rows(const Contact& contact) { return contact.reference_frame == ReferenceFrame::kLocal; }
 
-/// Returns the contact that replaces these contacts between the same two bodies; their rows must be constant. Its
-/// `pair` is null if their rows are independent, or if their geometry leaves the rank doubtful.
+/// Returns the contact that replaces these contacts between the same two bodies. Their rows must be constant in the
+/// axes of A (has_constant_rows). The `pair` of the result is null if the rows are independent, or if their geometry
+/// leaves the rank doubtful.
 Contact pair_of(const Scene& scene, std::span<const int> contacts);
 /// Updates a pair's contact and PairRows with values that may change between solves: gains, and B's placement.
 void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair);

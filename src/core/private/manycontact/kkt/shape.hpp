@@ -55,10 +55,8 @@ class IslandShape {
 /// share a shape if their permutations agree, except in trees too deep for the permutation.
 class ShapeCache {
  public:
-  /// Returns the island's shape; allocates nothing for trees and contacts that were requested before. by_places:
-  /// islands with different positions get separate shapes; the order contacts-early is then not computed for
-  /// comparison.
-  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island, bool by_places = false);
+  /// Returns the island's shape; allocates nothing for trees and contacts that were requested before.
+  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
   std::size_t size() const { return shapes_.size(); }
   /// Deletes all shapes that are not in `used`.
   void keep(const std::set<const IslandShape*>& used);

@@ -17,7 +17,7 @@ S larger_or_nan(const S& a, const S& b) {
   return select(b <= a, a, select(a <= b, b, S(a + b)));
 }
 
-/// A row of J that is part of a dependence: it depends on other rows, or other rows depend on it.
+/// The numbers of a row of J from which Contradiction decides whether the contacts are inconsistent.
 template <class S>
 struct RowOfContradiction {
   S size;   // size of the row of J (rank/row_size.hpp)

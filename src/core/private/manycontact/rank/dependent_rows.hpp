@@ -40,8 +40,9 @@ struct DependentRows {
   struct Cluster {
     int first = 0, count = 0;  // range in `members`
     int row = 0, row_end = 0;  // range in `cluster_rows` of the rows of K in which its columns of N have entries
-    int basis = 0, size = 0;   // columns basis ... basis + size - 1 of B, of the kind:
-    // the columns of N, a basis of the complement, or the columns of N orthonormalised because of large entries
+    int basis = 0, size = 0;   // the cluster's columns of B: basis ... basis + size - 1
+    // `kind` states what these columns are: the cluster's columns of N, a basis of their orthogonal complement, or the
+    // columns of N after orthonormalisation, which large entries require.
     enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
     std::size_t gram = 0;  // offset in DependentRows::gram of the Cholesky factor of B^T B, size x size, by columns
   };

@@ -6,9 +6,9 @@
 
 namespace manycontact {
 
-/// Makes a factor K = L D L^T in K's order, by the pattern's schedule (kSparseLdl) or SuiteSparse's LDL
-/// (kSuiteSparseLdl, or if memory is scarce). It refuses pivots that are zero, of the wrong sign, or lost in
-/// cancellation.
+/// Makes a factor K = L D L^T in the elimination order of K. kSparseLdl uses the pattern's compiled schedule
+/// (sparse/ldl_schedule.hpp), or SuiteSparse's LDL if the schedule needs too much memory. kSuiteSparseLdl always uses
+/// SuiteSparse's LDL. The factor refuses pivots that are zero, of the wrong sign, or lost in cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// Makes a factor by the schedule for damping 0, where rows of J may be dependent. Rows without a sound pivot wait:
