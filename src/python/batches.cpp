@@ -1,5 +1,5 @@
 #include <chrono>
-#include <mutex>
+#include <set>
 #include <span>
 
 #include "manycontact/dynamics/batch.hpp"
@@ -9,7 +9,7 @@ namespace manycontact::python {
 
 namespace {
 
-std::mutex one_batch;  // serialises batches: they set OpenBLAS' number of threads for the whole process
+std::set<const BatchData*> in_use;  // the data of running batches; read and written with the GIL
 
 // A matrix with a row per state. A state with numbers that are not finite gets the status kFailed.
 struct Rows {
@@ -45,10 +45,18 @@ constexpr Eigen::Index kFirstChunk = 256;
 constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::milliseconds(200);
 
 // Calls work(first, count) for chunks of states that take about 0.1 s each, and handles Ctrl-C between the chunks.
+// Throws ValueError while another thread uses the batch.
 template <class Work>
-void run_batch(Eigen::Index states, Work&& work) {
-  const std::unique_lock turn(one_batch, std::try_to_lock);
-  if (!turn) throw py::value_error("another thread works on a batch: one at a time");
+void run_batch(const BatchData& batch, Eigen::Index states, Work&& work) {
+  struct Turn {
+    explicit Turn(const BatchData* b) : batch(b) {
+      if (!in_use.insert(b).second)
+        throw py::value_error("the batch is in use by another thread: each thread needs BatchData of its own");
+    }
+    ~Turn() { in_use.erase(batch); }
+    const BatchData* batch;
+  };
+  const Turn turn(&batch);
   const py::gil_scoped_release unlocked;
   Eigen::Index chunk = kFirstChunk, first = 0;
   do {
@@ -79,7 +87,7 @@ Solutions batch_of_solutions(const Scene& scene, py::handle q, py::handle v, py:
   const Rows V = rows_of(name, "V", v, n), U = rows_of(name, "U", u, n);
   NewRows A(n, scene.nv), F(n, nf), D(n, derivatives ? rows * (2 * scene.nv + scene.nu) : 0);
   std::vector<Status> status(static_cast<std::size_t>(n));
-  run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
+  run_batch(batch, n, [&](Eigen::Index k, Eigen::Index count) {
     const BatchStates states{Q.part(k, count), V.part(k, count), U.part(k, count)};
     const auto worth = std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count));
     if (derivatives)
@@ -106,7 +114,7 @@ Products batch_of_products(const Scene& scene, py::handle q, py::handle v, py::h
   NewRows WQ(n, scene.nv), WV(n, scene.nv), WU(n, scene.nu),
       WW(n, static_cast<Eigen::Index>(6 * scene.wrenches.size()));
   std::vector<Status> status(static_cast<std::size_t>(n));
-  run_batch(n, [&](Eigen::Index k, Eigen::Index count) {
+  run_batch(batch, n, [&](Eigen::Index k, Eigen::Index count) {
     vjp_batch(scene, {Q.part(k, count), V.part(k, count), U.part(k, count)}, WA.part(k, count), WF.part(k, count),
               batch, WQ.part(k, count), WV.part(k, count), WU.part(k, count), WW.part(k, count),
               std::span(status).subspan(static_cast<std::size_t>(k), static_cast<std::size_t>(count)));

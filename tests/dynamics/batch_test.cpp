@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <thread>
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/dynamics/copies.hpp"
@@ -276,6 +277,20 @@ TEST(Batch, StatesFillSimdBatchesAfterASolveToo) {
   const int before = internal::states_side_by_side(data);
   (void)solve(file.scene, file.q, file.v, file.u, data);
   EXPECT_EQ(internal::states_side_by_side(data), before);
+}
+
+TEST(Batch, BatchesOfTwoThreadsRunAtTheSameTime) {
+  const SceneFile file = load_small(kModels + "ring_of_humanoids.xml");
+  const States s = disturbed_states(file, 6, 0.1, 4);
+  const Answers expected = alone(file.scene, s, {}, active_contacts(file.scene));
+  std::vector<BatchData> batches;
+  for (int k = 0; k < 2; ++k) batches.emplace_back(file.scene, 2);
+  std::vector<Answers> found(2, expected);
+  const auto run = [&](int k) { found[k] = in_batch(file.scene, s, batches[k]); };
+  std::thread other(run, 1);
+  run(0);
+  other.join();
+  for (const Answers& out : found) expect_same(out, expected);
 }
 
 TEST(Batch, NoStatesAndNoContacts) {

@@ -260,6 +260,33 @@ def test_data_of_one_thread_at_a_time():
     assert all("another thread" in text for text in refused)
 
 
+def test_batches_in_threads():
+    """Batches with data of their own run concurrently; a thread whose BatchData is in use is refused."""
+    file = mc.load_scene(str(MODELS / "ring_of_humanoids.xml"))
+    scene, n = file.scene, 40
+    Q, V, U = (np.tile(x, (n, 1)) for x in (file.q, file.v, file.u))
+    shared = mc.BatchData(scene, threads=1)
+    expected, failures, refused = mc.solve_batch(scene, Q, V, U, shared)[0], [], []
+
+    def work():
+        own = mc.BatchData(scene, threads=2)
+        for _ in range(5):
+            if not (mc.solve_batch(scene, Q, V, U, own)[0] == expected).all():
+                failures.append("numbers")
+            try:
+                mc.solve_batch(scene, Q, V, U, shared)
+            except ValueError as e:
+                refused.append(str(e))
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    assert not failures
+    assert all("another thread" in text for text in refused)
+
+
 def test_simulation(humanoid):
     file, _ = humanoid
     scene = file.scene

@@ -57,8 +57,8 @@ struct BatchData {
 int force_rows(const Scene& scene, const BatchData& batch);
 
 // If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed; they
-// solve the other states nevertheless. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
-// thread in the whole program. Therefore only one batch may run at a time.
+// solve the other states nevertheless. `status` has one entry per state. Batches with data of their own may run in
+// several threads at the same time.
 
 /// Solves every state, as `solve` does. A (nv columns) receives the accelerations and F (force_rows columns) the
 /// contact forces. Throws std::invalid_argument before anything is computed if a size is wrong or the data belong to

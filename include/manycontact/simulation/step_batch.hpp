@@ -41,7 +41,7 @@ struct SimulationBatch {
 
 /// Makes `steps` steps of every state with torques u (nu columns, one row per state). A state whose step is not kOk
 /// remains as before that step and makes no further steps; other states continue. Throws std::invalid_argument for
-/// wrong sizes, before anything is computed. During the call, OpenBLAS is limited to one thread in the whole program.
+/// wrong sizes, before anything is computed.
 void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& batch, int steps = 1);
 
 /// Replaces state k by q (nq), v (nv); other states remain. Throws std::invalid_argument for a wrong size or number.
