@@ -144,7 +144,8 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for costs of another state or nu.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for costs of another
+  /// state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);

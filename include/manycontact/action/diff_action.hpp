@@ -56,7 +56,8 @@ class NodeAbstract : public Printable {
   virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // nh, terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
 
-  /// Lower and upper bounds of g in a running node (ng); the functions with _T: in a terminal node (ng_T).
+  /// Return the lower and upper bounds of g in a running node (ng). The functions with _T return those in a terminal
+  /// node (ng_T).
   virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
   virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
   virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }

@@ -33,7 +33,7 @@ class ImpulseModelAbstract : public Printable {
   void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
-  /// The state given to the constructor.
+  /// Returns the state given to the constructor.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
   std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
   std::size_t get_nu() const { return 0; }                          // number of controls
@@ -41,7 +41,7 @@ class ImpulseModelAbstract : public Printable {
   ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
   void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
   void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
-  /// The contact model that has the same constraint rows as this impulse.
+  /// Returns the contact model that has the same constraint rows as this impulse.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
   void print(std::ostream& os) const override;  // prints type and sizes
 
@@ -112,7 +112,8 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for impulses of another state.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for impulses of another
+  /// state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
@@ -131,7 +132,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses
   std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
   std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
-  /// The stack of contact models that have the same constraint rows as these impulses.
+  /// Returns the stack of contact models that have the same constraint rows as these impulses.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
 
  private:

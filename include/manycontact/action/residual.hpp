@@ -66,9 +66,9 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Sets up data.blocks, by default one dense block. Called by createData, and when the contact islands change.
+  /// Sets up data.blocks, by default one dense block. It is called by createData, and when the contact islands change.
   virtual void lay_out(ResidualDataAbstract& data) const;
-  /// False if lay_out must set up the blocks again, for example because the residual's frame has changed.
+  /// Returns false if lay_out must set up the blocks again, for example because the residual's frame has changed.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
   /// Copies the whole Rx, Ru to the blocks, for user-defined residuals whose calcDiff writes whole matrices.
   void take_whole(ResidualDataAbstract& data) const;

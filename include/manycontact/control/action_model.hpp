@@ -31,7 +31,7 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Gx, Gu;         // ng x ndx, ng x nu: set by calcDiff
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: set by calcDiff
 
-  /// False if the matrices above are empty, because the derivatives are stored in another form. This applies to
+  /// Returns false if the matrices above are empty, because the derivatives are stored in another form. This applies to
   /// IntegratedActionModelEuler with storage kPanel, and to ActionModelParts with kSparse.
   virtual bool has_matrices() const { return true; }
   /// pull_back computes gx = Fx^T p, gu = Fu^T p for p (ndx); dynamics copies Fx, Fu. Both use the last calcDiff, and

@@ -14,7 +14,7 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   /// Computes the terms of the expected improvement that do not depend on the step.
   void updateExpectedImprovement();
   void forwardPass(double steplength) override;
-  /// A step from a candidate with gaps may increase the cost by up to this multiple of the expected increase.
+  /// Returns the multiple of the expected increase by which a step from a candidate with gaps may increase the cost.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
   /// Sets by which multiple of the expected increase a step from a candidate with gaps may increase the cost. Throws
   /// std::invalid_argument if the multiple is negative.

@@ -37,9 +37,9 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
 
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
-  /// The model in continuous time.
+  /// Returns the model in continuous time.
   const std::shared_ptr<DifferentialActionModelAbstract>& get_differential() const { return differential_; }
-  /// The parametrization of the controls.
+  /// Returns the parametrization of the controls.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]

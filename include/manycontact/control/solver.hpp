@@ -62,7 +62,8 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   double computeEqualityFeasibility();
   void setCandidate(const Vectors& xs_warm = DEFAULT_VECTOR, const Vectors& us_warm = DEFAULT_VECTOR,
                     bool is_feasible = false);
-  /// The functions that are called after each iteration. A list that a callback sets is used from the next iteration.
+  /// The functions that are called after each iteration. If a callback sets another list, that list is used from the
+  /// next iteration.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
@@ -144,7 +145,7 @@ class CallbackAbstract {  // A function that is called after each iteration.
   virtual void operator()(SolverAbstract& solver) = 0;  // called with the solver after each iteration
 };
 
-/// Whether a number is not finite, or at least 1e30.
+/// Returns whether a number is not finite, or at least 1e30.
 bool raiseIfNaN(double value);
 
 }  // namespace manycontact

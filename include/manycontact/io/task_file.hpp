@@ -27,13 +27,13 @@ enum class TaskResidual {
   kControlGrav,
   kContactControlGrav,
 };
-/// Whether a residual depends on the state alone, without controls, accelerations and forces. Terminal nodes and
-/// impacts allow only such residuals.
+/// Returns whether a residual depends on the state alone, without controls, accelerations and forces. Terminal nodes
+/// and impacts allow only such residuals.
 bool of_state_alone(TaskResidual residual);
 /// Returns the residual's name in task files: "frame_placement".
 const char* to_string(TaskResidual residual);
 
-/// The activation of a cost. By default, cones have a barrier at their own bounds.
+/// The activation of a cost. In a file, a cone without an activation has a quadratic barrier at the bounds of the cone.
 enum class TaskActivation { kQuad, kWeightedQuad, kQuadraticBarrier, kWeightedQuadraticBarrier, kSmooth1Norm };
 
 /// One <cost> or <constraint>. Only members that its residual uses are set; vectors are for one robot or contact.
@@ -43,7 +43,8 @@ struct TaskTerm {
   TaskResidual residual = TaskResidual::kState;
   int nr = 0;  // number of rows for one robot or contact
 
-  /// The robots, a frame on each of these robots, or the contacts that the term refers to. No robot: the whole scene.
+  /// The robots, a frame on each of these robots, or the contacts that the term refers to. Without robots, the term
+  /// refers to the whole scene.
   std::vector<int> robots, contacts;
   bool copied = false;  // the term applies to all copies; placements are then relative to a copy before `arrange`
   std::string frame;    // name of the frame on each of the robots

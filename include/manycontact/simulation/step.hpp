@@ -1,8 +1,8 @@
 #pragma once
 // Simulates a scene, on the manifold of its configurations, with its active contacts.
 //
-// Semi-implicit Euler constrains velocities by impulses h f. M is the joint-space inertia, J the contact rows, ID the
-// inverse dynamics, delta the scene's damping, alpha and beta are gains, and a step solves
+// Semi-implicit Euler constrains velocities by impulses h f. Let M be the joint-space inertia, J the contact rows, ID
+// the inverse dynamics, delta the scene's damping, and alpha, beta the gains. A step solves
 //
 //     [ M  J^T     ] [ x    ]   [ -h ID(q, v, s) + h tau     ]      s = -(v / h + w x v)
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) x

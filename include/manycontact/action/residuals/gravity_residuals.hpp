@@ -13,7 +13,7 @@ class GravityResidual : public NamedResidual {
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
   using NamedResidual::calc;
-  /// The residual of a terminal node: tau_s(q) - g(q).
+  /// Computes the residual of a terminal node, tau_s(q) - g(q).
   void calc(const DataPtr& data, const ConstVectorRef& x) override;
   using NamedResidual::differentiate;
   void differentiate(const DataPtr& data, const ConstVectorRef& x) override;

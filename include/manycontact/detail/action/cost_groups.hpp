@@ -1,5 +1,6 @@
 #pragma once
-// Groups of residual blocks with the same columns: one product per group gives their Hessians, sum w Rx^T Arr Rx, ...
+// Groups of residual blocks with the same columns. One matrix product per group computes the sum of the Hessians w Rx^T
+// Arr Rx, ... of its blocks.
 
 #include <vector>
 

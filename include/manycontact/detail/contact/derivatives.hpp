@@ -15,7 +15,8 @@
 //
 // for the joints between A and B'; other derivatives are zero. The axes of a world-aligned frame rotate relative to A.
 // For each joint above A, with the angular part th_i of A's motion, dW/dq_i y = W (th_i x y), applied to both parts of
-// y. Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; for nu, x, W see detail/contact/rows.hpp.
+// y. Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; for nu, x, G, W, X see
+// detail/contact/rows.hpp.
 
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/detail/contact/rows.hpp"

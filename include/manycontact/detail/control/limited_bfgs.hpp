@@ -25,7 +25,7 @@ class LimitedBfgs {  // An inverse Hessian H estimated from gradients.
   /// Adds the pair s = step * direction, y = g_next - g. Pairs without positive curvature s^T y are not added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
 
-  /// begin: the first loop, from q = g. The caller then applies H0, and calls `finish` for the second loop on r.
+  /// begin runs the first loop, from q = g. The caller then applies H0, and finish runs the second loop on r = H0 q.
   void begin(Vectors& q);
   void finish(Vectors& r) const;
 
@@ -42,7 +42,7 @@ class LimitedBfgs {  // An inverse Hessian H estimated from gradients.
   std::vector<Pair> pairs_;
 };
 
-/// The sum of a_t^T b_t over the nodes t.
+/// Returns the sum of a_t^T b_t over the nodes t.
 double dot(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b);
 
 }  // namespace manycontact

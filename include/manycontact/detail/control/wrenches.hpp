@@ -29,7 +29,8 @@ struct ActuationDataWrenches : ActuationDataAbstract {  // Data of ActuationMode
 
 class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of coordinates, and wrenches on bodies.
  public:
-  /// own: an actuation that selects coordinates. Throws std::invalid_argument for other ones or for an unknown body.
+  /// own: an actuation that selects coordinates. Throws std::invalid_argument for other actuations or for an unknown
+  /// body.
   ActuationModelWrenches(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> own,
                          std::vector<WrenchEnd> ends);
 

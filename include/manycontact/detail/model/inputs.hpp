@@ -1,6 +1,6 @@
 #pragma once
-// The inputs of solve as a scene has them initially: torques of all coordinates, flags of contacts, external wrenches;
-// and functions that move external wrenches and springs between scenes that are made of other scenes.
+// The initial inputs of solve that a scene defines: torques of all coordinates, flags of contacts, and external
+// wrenches. Further functions copy external wrenches and springs to scenes that are composed of robots of other scenes.
 
 #include "manycontact/model/scene.hpp"
 
