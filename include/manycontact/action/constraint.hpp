@@ -21,7 +21,7 @@ struct ConstraintDataResidual {
 using ConstraintDataAbstract = ConstraintDataResidual;
 
 /// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. This
-/// class is final: to write a constraint of your own, write a residual r.
+/// class is final: define a constraint of your own by its residual r.
 class ConstraintModelResidual final : public Printable {
  public:
   using DataPtr = std::shared_ptr<ConstraintDataResidual>;
@@ -36,7 +36,8 @@ class ConstraintModelResidual final : public Printable {
       : ConstraintModelResidual(state, residual, Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0),
                                 Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0), T_act) {}
 
-  /// Standalone: calc computes data->g and data->h, then calcDiff computes their Jacobians.
+  /// For standalone evaluation, without an action model: calc computes data->g and data->h, then calcDiff computes
+  /// their Jacobians.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }

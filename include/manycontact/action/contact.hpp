@@ -71,11 +71,12 @@ class ContactModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ContactDataAbstract>;
 
-  /// Standalone functions at the motion in `data->pinocchio`; x is ignored. calc computes Jc, and sets a0 to the bias
-  /// plus Jc times the accelerations. calcDiff computes da0_dx.
+  /// For standalone evaluation, without an action model, at the motion in `data->pinocchio`; x is ignored. calc
+  /// computes Jc, and sets a0 to the bias plus Jc times the accelerations. calcDiff computes da0_dx.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: set f (nc) and fext, or df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw std::invalid_argument.
+  /// For standalone evaluation: set f (nc) and fext, or df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw
+  /// std::invalid_argument.
   void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
   void setZeroForce(const DataPtr& data) const;
@@ -167,7 +168,7 @@ class ContactModel2D final : public ContactModelAbstract {
   void set_reference(const Eigen::Vector2d& r) { contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y()); }
 };
 
-/// Constrains a point's position. xref: in the world [m].
+/// Constrains a point's position. xref: the position in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action. In sobec's constructors the reference frame is the last argument.
@@ -187,7 +188,7 @@ class ContactModel3D final : public ContactModelAbstract {
   void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }  // sets the position
 };
 
-/// Constrains a frame's placement. pref: in the world.
+/// Constrains a frame's placement. pref: the placement in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action. The reference frame `type` is by default the frame A.
@@ -204,7 +205,8 @@ class ContactModel6D final : public ContactModelAbstract {
 };
 
 /// Constrains a frame except its rotation about one axis: a hinge whose pin is fixed in A and in the world. Crocoddyl
-/// has no such contact. pref: placement in the world; axis: the pin, with the same components in A and in pref.
+/// has no such contact. pref: placement in the world. axis: direction of the pin, with the same components in A and in
+/// pref.
 class ContactModel5D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action.
@@ -276,7 +278,7 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
   void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// Standalone: call calc or calcDiff of each active contact, and stack the results.
+  /// For standalone evaluation: call calc or calcDiff of each active contact, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the forces (nc) and their derivatives (nc x ndx, nc x nu). Inactive contacts are set to zero.

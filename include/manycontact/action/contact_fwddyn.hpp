@@ -1,5 +1,5 @@
 #pragma once
-// Contact forward dynamics with costs and constraints: the node of an optimal control problem.
+// Contact forward dynamics with costs and constraints: a node of an optimal control problem.
 //
 //     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]        M mass matrix, h bias torques, a accelerations, f contact forces
 //     [ J  -delta I] [ -f ] = [     -a0       ]        J contact Jacobian, a0 its bias, delta = JMinvJt_damping

@@ -20,7 +20,8 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True for a user-defined cost: the sum adds Lx, Lu, Lxx, Lxu, Luu. Otherwise the sum reads the residual's blocks.
+  /// Whether the cost is user-defined. If so, a sum of costs adds Lx, Lu, Lxx, Lxu, Luu; otherwise it reads the
+  /// residual's blocks.
   const bool own;
   /// Derivatives of this cost without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In an action
   /// model's data they are empty unless the cost's class is user-defined; call whole_derivatives instead.

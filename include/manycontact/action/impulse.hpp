@@ -23,10 +23,11 @@ class ImpulseModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, calcDiff computes dv0_dq.
+  /// For standalone evaluation, without an action model, at the motion in `data->pinocchio` (x is ignored): calc
+  /// computes Jc, calcDiff computes dv0_dq.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: updateForce sets f = impulse (nc) and fext; updateForceDiff sets df_dx (nc x ndx).
+  /// For standalone evaluation: updateForce sets f = impulse (nc) and fext; updateForceDiff sets df_dx (nc x ndx).
   void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const { contact_->updateForce(data, impulse); }
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
   void setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
@@ -119,7 +120,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   void changeImpulseStatus(const std::string& name, bool active);
   bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether the impulse is active
 
-  /// Standalone: call calc or calcDiff of each active impulse, and stack the results.
+  /// For standalone evaluation: call calc or calcDiff of each active impulse, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive impulses are set to zero.

@@ -61,7 +61,8 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   /// Computes the residual of a terminal node: by default r(x) if r depends on x alone, otherwise zero.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
 
-  /// Computes Rx, Ru of data->blocks, and the whole matrices if the data have them, with `differentiate`; after calc.
+  /// Computes Rx, Ru of data->blocks with `differentiate`, and the whole matrices if the data have them. Call it after
+  /// calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);

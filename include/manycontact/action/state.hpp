@@ -8,7 +8,7 @@ namespace manycontact {
 
 /// Selects derivatives of a function with respect to its first argument, its second argument, or both arguments.
 enum Jcomponent { both = 0, first = 1, second = 2 };
-/// How a result is stored: set, added, or subtracted.
+/// Selects whether a result is set, added, or subtracted.
 enum AssignmentOp { setto, addto, rmfrom };
 
 class StateAbstract {  // A manifold with differences and sums.

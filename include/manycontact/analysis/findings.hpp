@@ -141,8 +141,9 @@ struct MasslessJoint {
   std::string why;    // no mass below it, or a missing moment of inertia, or no inertia left by the joints below
 };
 
-/// Lists each massless joint of the robots in islands that failed for lack of inertia; in trees too deep for a
-/// joint-space inertia, only joints without mass below them. Throws std::logic_error before a solve at q (nq).
+/// Lists each massless joint of the robots in islands that failed for lack of inertia. In trees too deep for a
+/// joint-space inertia, only joints without mass below them are found. Throws std::logic_error before a solve at q
+/// (nq).
 std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

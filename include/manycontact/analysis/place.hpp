@@ -31,7 +31,8 @@ namespace manycontact {
 
 struct TaskFile;  // io/task_file.hpp
 
-/// Three numbers, some of which may be open: {std::nullopt, std::nullopt, 0.0} requires z = 0 only.
+/// Three required numbers, some of which may be missing. For example, {std::nullopt, std::nullopt, 0.0} requires z = 0
+/// only.
 using Partial = std::array<std::optional<double>, 3>;
 
 /// A goal for a configuration; made by the functions below.
@@ -74,7 +75,7 @@ struct GoalLeft {       // The remaining error of a goal.
 };
 
 struct PlaceOptions {        // When the search ends, and from how many configurations it starts.
-  int iterations = 1000;     // largest number of steps from each start; the search ends before if the error stays
+  int iterations = 1000;     // largest number of steps from each start; it ends earlier if the error stays constant
   double tolerance = 1e-12;  // a goal is met if every row of its error e, times the root of its weight, is below this
                              // tolerance or below the rounding errors
   int restarts = 0;          // further starts while goals are not met, at random joints within limits, bases as in q

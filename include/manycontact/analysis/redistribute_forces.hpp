@@ -4,7 +4,8 @@
 //     f + N y,    J^T N = 0,
 //
 // causes the same accelerations. The columns of N are a basis of the null space of J^T, with J the contact rows. These
-// functions compute N, and the forces closest to given forces. For friction cones, find y by a quadratic program.
+// functions compute N, and the forces closest to given forces. Forces inside friction cones require a y that a
+// quadratic program determines.
 
 #include <Eigen/SparseCore>
 

@@ -50,7 +50,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// Uses SolverSparse if nodes are ActionModelParts without dense matrices; otherwise SolverBoxFDDP if a model has
   /// control limits, else SolverFDDP. Throws std::invalid_argument for a null problem.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
-  /// Uses the solver that `make` returns. problem: not null, or std::invalid_argument is thrown.
+  /// Uses the solver that `make` returns. Throws std::invalid_argument for a null problem.
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
   ~SolverAugmentedLagrangian() override;
   SolverAugmentedLagrangian(const SolverAugmentedLagrangian&) = delete;

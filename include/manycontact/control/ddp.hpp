@@ -8,7 +8,8 @@
 //     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t if the candidate has gaps)
 //
 // The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0; the simulated motion has no gaps.
-// Interface, algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa et al., ICRA 2014; Mastalli et al., ICRA 2020).
+// Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverDDP (Tassa et al., ICRA 2014; Mastalli et al.,
+// ICRA 2020).
 
 #include "manycontact/control/solver.hpp"
 #include "manycontact/detail/control/limited_bfgs.hpp"
@@ -23,7 +24,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Throws std::invalid_argument if `problem` is null.
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
   SolverDDP(SolverDDP&&);  // moves the solver
   SolverDDP& operator=(SolverDDP&&);
@@ -81,7 +82,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
   /// Returns whether the last solve with limits accepted no step from a candidate with gaps, and therefore continued
-  /// from a simulation of the guess's controls. Crocoddyl instead ignores limits until the gaps are closed.
+  /// from a simulation of the guess's controls. Directions from a candidate with gaps ignore the limits, as in
+  /// Crocoddyl.
   bool has_rolled_out() const { return rolled_out_; }
   /// Returns the expected reduction of the cost by a full step along the direction, for a candidate without gaps.
   double expectedReduction() const;
@@ -148,7 +150,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  protected:
   /// Whether control limits are used.
   enum class Limits { kIgnored, kKept };
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Throws std::invalid_argument if `problem` is null.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
   /// Makes a solver without directions, for derived classes that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);

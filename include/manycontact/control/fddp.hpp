@@ -1,6 +1,7 @@
 #pragma once
 // Feasibility-driven DDP: a step of length s < 1 leaves (1 - s) of the candidate's gaps, and may increase the cost
-// until the gaps are closed. Interface, algorithm, defaults: Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA 2020).
+// until the gaps are closed. Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverFDDP (Mastalli et
+// al., ICRA 2020).
 
 #include "manycontact/control/ddp.hpp"
 

@@ -66,7 +66,7 @@ class ActionModelImpulseFwdDynamics
   double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
   void set_restitution_coefficient(double r_coeff);                // not negative, or std::invalid_argument is thrown
   double get_damping_factor() const { return dynamics_->get_damping_factor(); }  // JMinvJt_damping [1/kg]
-  /// damping: not negative, or std::invalid_argument is thrown.
+  /// Sets JMinvJt_damping [1/kg]. Throws std::invalid_argument for a negative number.
   void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
   /// Returns the options of the solves, such as method and order, for data created afterwards.
   const Options& get_options() const { return dynamics_->get_options(); }

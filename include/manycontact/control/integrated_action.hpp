@@ -27,8 +27,9 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
   using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;
 
-  /// time_step in s. with_cost_residual: data->r contains the costs' residuals. Throws std::invalid_argument if the
-  /// step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is not the model's nu.
+  /// time_step: step in s. with_cost_residual: whether data->r contains the residuals of the costs. Throws
+  /// std::invalid_argument if the step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is
+  /// not the model's nu.
   IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                 std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                 bool with_cost_residual = true);

@@ -3,7 +3,8 @@
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// Interface: Crocoddyl's ShootingProblem. Several threads evaluate nodes; results do not depend on their number.
+// The interface is that of Crocoddyl's ShootingProblem. Several threads evaluate the nodes. Results do not depend on
+// the number of threads.
 
 #include <iosfwd>
 #include <limits>

@@ -56,7 +56,7 @@ struct BatchData {
 /// Returns the number of constraint rows of the active contacts, which is the number of columns of F.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed; they
+// If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed. They
 // solve the other states nevertheless. `status` has one entry per state. While a batch runs, OpenBLAS is limited to one
 // thread in the whole program. Therefore only one batch may run at a time.
 

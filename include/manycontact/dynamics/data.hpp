@@ -50,10 +50,11 @@ struct SceneData : Solution {                                           // The v
   std::unique_ptr<Workspace> workspace;
 };
 
-/// Finds the islands (robots coupled by the contacts flagged in data.active) and sets up their systems, unless this was
-/// done already. `solve` calls `prepare`. Sets of contacts that occurred before are not analysed again, and only
-/// islands whose contacts were switched change. Throws std::invalid_argument if the data belong to another scene, or if
-/// `active` has a wrong size. Thread-safe for distinct data. The cost is a symbolic factorization for each new island.
+/// Finds the islands (robots coupled by springs and by the contacts flagged in data.active) and sets up their systems,
+/// unless this was done already. `solve` calls `prepare`. Sets of contacts that occurred before are not analysed again,
+/// and only islands whose contacts were switched change. Throws std::invalid_argument if the data belong to another
+/// scene, or if `active` has a wrong size. Thread-safe for distinct data. The cost is a symbolic factorization for each
+/// new island.
 void prepare(const Scene& scene, SceneData& data);
 
 /// Returns the names of the rows of f: "left[0]", ... Call it after prepare or solve.

@@ -1,5 +1,5 @@
 #pragma once
-// Derivatives of accelerations and contact forces, as blocks per island (robots coupled by contacts).
+// Derivatives of accelerations and contact forces, as blocks per island (robots coupled by contacts or springs).
 
 #include <cstdint>
 #include <vector>

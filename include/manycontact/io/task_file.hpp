@@ -1,5 +1,6 @@
 #pragma once
-// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem from the task.
+// An optimal control task read from its XML file. A task is plain data. task/problem.hpp makes a shooting problem from
+// the task.
 
 #include <string>
 #include <vector>
@@ -62,7 +63,8 @@ struct TaskTerm {
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr numbers, for weighted activations
   double eps = 1;           // parameter of kSmooth1Norm
-  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: the bounds of the cone.
+  /// The bounds of a constraint or barrier: nr numbers, which may be infinite. If empty, they are the bounds of the
+  /// cone.
   Eigen::VectorXd lower, upper;
 };
 

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// Methods that solve the KKT system of an island (a set of robots connected by contacts).
+/// Methods that solve the KKT system of an island (a set of robots coupled by contacts or springs).
 enum class Method {
   kDense,           // rank-revealing dense factor, per island: the dense reference solver
   kDenseSchur,      // LLT of M and J M^-1 J^T of the whole scene, as in Crocoddyl: the baseline of comparisons

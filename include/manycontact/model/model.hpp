@@ -1,6 +1,6 @@
 #pragma once
-// One robot (or object): a kinematic tree. It is constant once finalized, and shared by all copies of the robot in a
-// scene. Joints are numbered so that a parent comes before its children.
+// A model describes one robot (or object) as a kinematic tree. It is constant once finalized, and shared by all copies
+// of the robot in a scene. Joints are numbered so that a parent comes before its children.
 
 #include <memory>
 #include <string>

@@ -1,9 +1,9 @@
 #pragma once
 // The first argument of the functions in algorithm/rigid_body.hpp and algorithm/configuration.hpp: all robots of a
-// scene, one robot of it, or a model alone. It is a view, so that the scene or model must outlive it.
+// scene, one robot of it, or a model alone. The argument is a view, so that the scene or model must outlive it.
 //
-// q, v, tau and all other vectors contain the coordinates of these robots, robot after robot. For a scene they have its
-// nq and nv entries, for one robot the nq and nv entries of this robot.
+// q, v, tau and all other vectors contain the coordinates of these robots, robot after robot. For a scene their sizes
+// are nq and nv of the scene, for one robot those of this robot.
 
 #include <span>
 

@@ -162,8 +162,8 @@ Attachment attach(const Scene& scene, const std::string& robot, const std::strin
 Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 
 /// Appends a contact; returns its number. The axis is normalised. B' is expressed in the world if its body cannot move,
-/// so that the contact does not couple that robot. A is always kept: rows and forces are in A's axes. Existing
-/// SceneData become invalid.
+/// so that the contact does not couple that robot. A is never moved to the world, because rows and forces refer to A.
+/// Existing SceneData become invalid.
 ///
 /// Throws std::invalid_argument for:
 ///

@@ -154,8 +154,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 };
 
 /// Makes one step with torques u (nu) [N m, N]. If the result is not kOk, data.q, v and steps remain unchanged.
-/// Allocates as `solve` does: with sparse-ldl, only in the first step. Throws std::invalid_argument if u has a wrong
-/// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
+/// Allocates as `solve` does: with method sparse-ldl, only in the first step. Throws std::invalid_argument if u has a
+/// wrong size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
 [[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
 /// Returns the rows of data.f of a contact, given by name or number: the force on A in the last step, in the contact's

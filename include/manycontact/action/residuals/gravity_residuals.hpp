@@ -1,7 +1,8 @@
 #pragma once
-// Torques minus the torques that keep the scene at rest under gravity, external wrenches and springs. The torques g(q)
-// compensate gravity. External wrenches and springs exert the torques tau_s(q) at rest (not in Crocoddyl). Names and
-// constructors are Crocoddyl's; nu is nv by default, and nu = 0 throws std::invalid_argument.
+// Residuals of torques: the torques at x, u minus those that keep the scene at rest under gravity, external wrenches
+// and springs. The torques g(q) compensate gravity. External wrenches and springs exert the torques tau_s(q) at rest
+// (not in Crocoddyl). Names and constructors are Crocoddyl's; nu is nv by default, and nu = 0 throws
+// std::invalid_argument.
 
 #include "manycontact/action/residual.hpp"
 

@@ -1,5 +1,5 @@
 #pragma once
-// A sparse matrix that is the sum of small dense blocks; its pattern is computed once.
+// A sparse matrix that is the sum of small dense blocks. Its pattern is computed once.
 
 #include <Eigen/SparseCore>
 #include <vector>

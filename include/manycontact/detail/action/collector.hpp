@@ -17,7 +17,8 @@ struct IslandColumns {
   std::vector<int> u;  // the island's columns among nu columns, robots in ascending order
 };
 
-/// The data of an impulse (control/impulse_fwddyn.hpp); DataCollector::solution solves the impulse equations at rest.
+/// The data of an impulse (control/impulse_fwddyn.hpp); DataCollector::solution is the solution of the impulse
+/// equations at rest.
 struct Impact {
   std::vector<Kinematics<double>> motion;  // one entry per robot: kinematics at q and the velocity before the impact
   Eigen::VectorXd vnext;                   // nv: the velocity after the impact

@@ -1,8 +1,8 @@
 #pragma once
 // Parts of an action model whose derivatives are central differences of another part, for user-defined parts and for
-// tests; the names are Crocoddyl's. The step is absolute on tangent spaces, and relative to max(1, |u_i|) in u.
-// Standalone parts depend on more than x and u: set_reevals takes functions that update this other data. The functions
-// are called with each x, u before the part's calc, and finally at the point where derivatives are computed.
+// tests. The names are those of Crocoddyl. The step is absolute on tangent spaces, and relative to max(1, |u_i|) in u.
+// Standalone parts depend on more than x and u: set_reevals takes functions that update these further data. The
+// functions are called with each x, u before the part's calc, and finally at the point where derivatives are computed.
 
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"

@@ -50,9 +50,9 @@ Vec6<S> turned(const Vec3<S>& th, const Vec6<S>& y) {
   return out;
 }
 
-/// Computes `d`. `kinA`, `kinB`: kinematics after forward_accelerations with the accelerations of the solution; `kinB`
-/// is nullptr if B is in the world. `termsA`, `termsB`: Psid, Psidd, Sv of these robots. `f`: the contact's force in
-/// its reference frame. `data`: from contact_rows at the same accelerations.
+/// Computes the derivatives `d`. `kinA`, `kinB`: kinematics after forward_accelerations with the accelerations of the
+/// solution; `kinB` is nullptr if B is in the world. `termsA`, `termsB`: Psid, Psidd, Sv of these robots. `f`: the
+/// contact's force in its reference frame. `data`: from contact_rows at the same accelerations.
 template <class S>
 void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,

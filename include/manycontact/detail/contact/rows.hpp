@@ -105,7 +105,8 @@ Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
 
-/// Computes joint_lever of the joints above A (support: ContactSupport::a) or above B' (ContactSupport::b).
+/// Computes the part of ContactData::joint_lever that is due to the joints above A (support: ContactSupport::a) or
+/// above B' (ContactSupport::b).
 template <class S>
 S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<int>& support) {
   using std::abs;
@@ -118,8 +119,8 @@ S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<in
   return largest;
 }
 
-/// Computes `data`, the rows of a contact. kinA, kinB: kinematics of the robots of A and B after forward_accelerations;
-/// kinB is nullptr if B is in the world.
+/// Computes the constraint rows of a contact and the other members of `data`. kinA, kinB: kinematics of the robots of A
+/// and B after forward_accelerations; kinB is nullptr if B is in the world.
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);

@@ -1,6 +1,7 @@
 #pragma once
-// Limited-memory BFGS for a given inverse Hessian H0. The product r = H g of the gradient g takes two loops over the
-// last pairs of steps s_i and gradient changes y_i (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
+// Limited-memory BFGS, an estimate H of the inverse Hessian, from a given initial inverse Hessian H0. The product r = H
+// g of the gradient g takes two loops over the last pairs of steps s_i and gradient changes y_i (Nocedal & Wright,
+// Numerical Optimization, algorithm 7.4),
 //
 //     q = g;     a_i = s_i^T q / s_i^T y_i,   q <- q - a_i y_i      newest pair first
 //     r = H0 q;  b_i = y_i^T r / s_i^T y_i,   r <- r + (a_i - b_i) s_i    oldest pair first

@@ -1,5 +1,5 @@
 #pragma once
-// StateVector: states in a vector space, x (+) dx = x + dx, nx = ndx; the name is Crocoddyl's.
+// StateVector describes states in a vector space, x (+) dx = x + dx with nx = ndx. The name is Crocoddyl's.
 
 #include "manycontact/action/state.hpp"
 

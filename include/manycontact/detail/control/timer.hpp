@@ -1,5 +1,5 @@
 #pragma once
-// Timer: a stopwatch that starts when it is constructed; the name is Crocoddyl's.
+// Timer is a stopwatch that starts when it is constructed. The name is Crocoddyl's.
 
 #include <chrono>
 

@@ -1,6 +1,6 @@
 #pragma once
-// Islands: sets of robots that are coupled by active contacts. Each island has a KKT system of its own. Contacts with
-// the world, or with a body that is fixed to the world, do not couple robots.
+// Islands are sets of robots that are coupled by active contacts or by springs. Each island has a KKT system of its
+// own. Contacts with the world, or with a body that is fixed to the world, do not couple robots.
 
 #include <vector>
 

@@ -27,7 +27,7 @@ inline std::vector<Vec6<double>> external_wrenches(const Scene& scene) {
   return wrenches;
 }
 
-/// Removes external wrenches and springs: the scene then moves by gravity, motors and contacts alone.
+/// Removes external wrenches and springs, so that only gravity, motors and contacts act on the scene.
 void drop_applied_forces(Scene& scene);
 
 /// Adds to `to` the external wrenches and springs of `from` whose robots are in `to`, even if names repeat. robot_at:
