@@ -1,6 +1,6 @@
 #pragma once
-// Compatibility with programs written for Crocoddyl: defines all names in a namespace `crocoddyl`, which programs may
-// reopen or use. No header of this library includes this one.
+// This header is for programs written for Crocoddyl. It defines all names in a namespace `crocoddyl`, which programs
+// may reopen or use. No header of this library includes this one.
 //
 // throw_pretty and its exception, stacks, and pseudoInverse behave as in Crocoddyl, not as in namespace manycontact.
 // Stacks warn on std::cerr and continue if a name is added twice, or does not exist. Getters of action models return

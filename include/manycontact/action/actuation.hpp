@@ -27,7 +27,7 @@ class ActuationMatrix : public Eigen::SparseMatrix<double> {
   }
   double& operator()(Eigen::Index i, Eigen::Index j) { return coeffRef(i, j); }    // creates the entry
   double operator()(Eigen::Index i, Eigen::Index j) const { return coeff(i, j); }  // entry (i, j); 0 if not stored
-  /// Whether all entries are zero.
+  /// Returns whether all entries are zero.
   bool isZero(double precision = Eigen::NumTraits<double>::dummy_precision()) const {
     return Eigen::MatrixXd(*this).isZero(precision);
   }
@@ -58,7 +58,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
 
   /// Computes data->tau (nv) from x (nx) and u (nu).
   virtual void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
-  virtual void calc(const DataPtr&, const ConstVectorRef&) {}  // does nothing without controls
+  virtual void calc(const DataPtr&, const ConstVectorRef&) {}  // for a terminal node: does nothing
   /// Computes data->dtau_dx and data->dtau_du.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) = 0;
   virtual void calcDiff(const DataPtr&, const ConstVectorRef&) {}
@@ -69,7 +69,7 @@ class ActuationModelAbstract : public Printable {  // A function tau(x, u): the 
   virtual std::shared_ptr<ActuationDataAbstract> createData() { return std::make_shared<ActuationDataAbstract>(this); }
 
   /// Returns for each control (nu) the velocity coordinate whose torque it is; empty for other kinds of actuations.
-  /// With a selection, derivatives by u are computed without a matrix product.
+  /// With a selection, derivatives with respect to u are computed without a matrix product.
   virtual const std::vector<int>& selection() const { return selection_; }
 
   std::size_t get_nu() const { return nu_; }                                  // number of controls

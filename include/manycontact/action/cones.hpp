@@ -47,7 +47,8 @@ class FrictionCone {
 };
 std::ostream& operator<<(std::ostream& os, const FrictionCone& cone);  // prints the cone
 
-/// Friction, centre of pressure and yaw torque of a rectangular foot: nf + 13 rows, f = [force; moment] at its centre.
+/// A wrench cone for f = [force; moment] at the centre of a rectangular foot. Its nf + 13 rows bound friction, centre
+/// of pressure and yaw torque.
 class WrenchCone {
  public:
   using MatrixX6s = Eigen::Matrix<double, Eigen::Dynamic, 6>;
@@ -86,7 +87,8 @@ class WrenchCone {
 };
 std::ostream& operator<<(std::ostream& os, const WrenchCone& cone);  // prints the cone
 
-/// The centre of pressure in a box: 4 rows, f = [force; moment]. Length bounds the moment about y, width about x.
+/// Four rows that keep the centre of pressure of f = [force; moment] in a box, whose length bounds the moment about y,
+/// and whose width that about x.
 class CoPSupport {
  public:
   using Matrix46s = Eigen::Matrix<double, 4, 6>;

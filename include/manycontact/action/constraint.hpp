@@ -21,7 +21,7 @@ struct ConstraintDataResidual {
 using ConstraintDataAbstract = ConstraintDataResidual;
 
 /// A constraint lower <= r(x, u) <= upper. Components with equal bounds are equality constraints h = r - lower. This
-/// class is final: to write a constraint of your own, write a residual r.
+/// class is final: define a constraint of your own by its residual r.
 class ConstraintModelResidual final : public Printable {
  public:
   using DataPtr = std::shared_ptr<ConstraintDataResidual>;
@@ -30,13 +30,14 @@ class ConstraintModelResidual final : public Printable {
   /// apply to terminal nodes. Throws std::invalid_argument for bounds of a wrong size.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, bool T_act = true);
-  /// The constraint r = 0.
+  /// Makes the constraint r = 0.
   ConstraintModelResidual(std::shared_ptr<StateAbstract> state, std::shared_ptr<ResidualModelAbstract> residual,
                           bool T_act = true)
       : ConstraintModelResidual(state, residual, Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0),
                                 Eigen::VectorXd::Zero(residual ? residual->get_nr() : 0), T_act) {}
 
-  /// Standalone: calc computes data->g and data->h, then calcDiff computes their Jacobians.
+  /// For standalone evaluation, without an action model: calc computes data->g and data->h, then calcDiff computes
+  /// their Jacobians.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }
@@ -53,7 +54,7 @@ class ConstraintModelResidual final : public Printable {
   bool get_T_constraint() const { return T_; }                 // whether the constraint applies to terminal nodes
   const Eigen::VectorXd& get_lb() const { return lb_; }        // lower bounds (nr)
   const Eigen::VectorXd& get_ub() const { return ub_; }        // upper bounds
-  /// The indices of the components of r that are inequalities, ascending.
+  /// Returns the indices of the components of r that are inequalities, ascending.
   const std::vector<int>& get_inequalities() const { return inequalities_; }
   const std::vector<int>& get_equalities() const { return equalities_; }  // indices of the equalities in r
   void print(std::ostream& os) const override;                            // prints type and sizes
@@ -135,13 +136,15 @@ class ConstraintModelManager : public NamedParts<StateAbstract, ConstraintItem> 
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit ConstraintModelManager(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for constraints of another state or nu.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for constraints of
+  /// another state or nu.
   void addConstraint(const std::string& name, std::shared_ptr<ConstraintModelAbstract> constraint, bool active = true);
   void removeConstraint(const std::string& name) { remove(name); }
   void changeConstraintStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getConstraintStatus(const std::string& name) const { return part(name).active; }  // whether the part is active
 
-  /// calc computes out->g, out->h, calcDiff their Jacobians; without u: of a terminal node. Switching resizes them.
+  /// calc computes out->g and out->h, and calcDiff their Jacobians; without u, those of a terminal node. Both functions
+  /// resize them after constraints were switched on or off.
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { evaluate(data, x, &u); }
   void calc(const DataPtr& data, const ConstVectorRef& x) { evaluate(data, x, nullptr); }
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) { differentiate(data, x, &u); }

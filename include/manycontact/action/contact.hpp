@@ -1,7 +1,8 @@
 #pragma once
 // Contacts with Crocoddyl's names and constructors (also sobec's for 1D and 3D), contacts between two bodies, and
 // stacks of contacts. A contact constrains a frame A (number `id`) to a frame B' of the world or of another body
-// (detail/contact/rows.hpp). By default nu = nv controls. Constructors throw std::invalid_argument for wrong arguments.
+// (detail/contact/rows.hpp). The number of controls nu is by default nv. Constructors throw std::invalid_argument for
+// wrong arguments.
 
 #include "manycontact/detail/action/named_parts.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -70,11 +71,12 @@ class ContactModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ContactDataAbstract>;
 
-  /// Standalone functions at the motion in `data->pinocchio`; x is ignored. calc computes Jc, and a0 plus Jc times the
-  /// accelerations. calcDiff computes da0_dx.
+  /// For standalone evaluation, without an action model, at the motion in `data->pinocchio`; x is ignored. calc
+  /// computes Jc, and sets a0 to the bias plus Jc times the accelerations. calcDiff computes da0_dx.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: set f (nc) and fext, or df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw std::invalid_argument.
+  /// For standalone evaluation: set f (nc) and fext, or df_dx (nc x ndx) and df_du (nc x nu). Wrong sizes throw
+  /// std::invalid_argument.
   void updateForce(const DataPtr& data, const Eigen::VectorXd& force) const;
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx, const Eigen::MatrixXd& df_du) const;
   void setZeroForce(const DataPtr& data) const;
@@ -140,7 +142,7 @@ class ContactModel1D final : public ContactModelAbstract {
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame ref = ReferenceFrame::kLocal)
       : ContactModel1D(std::move(state), id, xref, kDefaultNu, gains, Vector3MaskType::z, ref) {}
 
-  /// The reference: the component along the axis [m], or the point xref in the world [m].
+  /// Get and set the reference: the component along the axis [m], or the point xref in the world [m].
   double get_reference() const { return contact_.axis.dot(contact_.B.placement.p); }
   void set_reference(double reference) { contact_.B.placement.p = reference * contact_.axis; }
   const Eigen::Vector3d& get_reference_point() const { return contact_.B.placement.p; }
@@ -160,13 +162,13 @@ class ContactModel2D final : public ContactModelAbstract {
   ContactModel2D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector2d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero())
       : ContactModel2D(std::move(state), id, xref, kDefaultNu, gains) {}  // with nu = nv
-  /// The point's position (x, z) in the world [m].
+  /// Returns the point's position (x, z) in the world [m].
   Eigen::Vector2d get_reference() const { return {contact_.B.placement.p.x(), contact_.B.placement.p.z()}; }
   /// Sets the point's position (x, z) in the world [m].
   void set_reference(const Eigen::Vector2d& r) { contact_.B.placement.p = Eigen::Vector3d(r.x(), 0, r.y()); }
 };
 
-/// Constrains a point's position. xref: in the world [m].
+/// Constrains a point's position. xref: the position in the world [m].
 class ContactModel3D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action. In sobec's constructors the reference frame is the last argument.
@@ -181,12 +183,12 @@ class ContactModel3D final : public ContactModelAbstract {
   ContactModel3D(std::shared_ptr<StateMultibody> state, FrameIndex id, const Eigen::Vector3d& xref,
                  const Eigen::Vector2d& gains = Eigen::Vector2d::Zero(), ReferenceFrame type = ReferenceFrame::kLocal)
       : ContactModel3D(std::move(state), id, xref, type, kDefaultNu, gains) {}  // sobec's, with nu = nv
-  /// The point's position in the world [m].
+  /// Returns the point's position in the world [m].
   const Eigen::Vector3d& get_reference() const { return contact_.B.placement.p; }
   void set_reference(const Eigen::Vector3d& reference) { contact_.B.placement.p = reference; }  // sets the position
 };
 
-/// Constrains a frame's placement. pref: in the world.
+/// Constrains a frame's placement. pref: the placement in the world.
 class ContactModel6D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action. The reference frame `type` is by default the frame A.
@@ -203,7 +205,8 @@ class ContactModel6D final : public ContactModelAbstract {
 };
 
 /// Constrains a frame except its rotation about one axis: a hinge whose pin is fixed in A and in the world. Crocoddyl
-/// has no such contact. pref: placement in the world; axis: the pin, with the same components in A and in pref.
+/// has no such contact. pref: placement in the world. axis: direction of the pin, with the same components in A and in
+/// pref.
 class ContactModel5D final : public ContactModelAbstract {
  public:
   /// nu: number of controls of the action.
@@ -268,13 +271,14 @@ class ContactModelMultiple : public NamedParts<StateMultibody, ContactItem> {
 
   explicit ContactModelMultiple(std::shared_ptr<StateMultibody> state, std::size_t nu = kDefaultNu);  // an empty stack
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for contacts of another state or nu.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for contacts of another
+  /// state or nu.
   void addContact(const std::string& name, std::shared_ptr<ContactModelAbstract> contact, bool active = true);
   void removeContact(const std::string& name) { remove(name); }
   void changeContactStatus(const std::string& name, bool active) { change_status(name, active); }
   bool getContactStatus(const std::string& name) const { return part(name).active; }  // whether it is active
 
-  /// Standalone: call calc or calcDiff of each active contact, and stack the results.
+  /// For standalone evaluation: call calc or calcDiff of each active contact, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the forces (nc) and their derivatives (nc x ndx, nc x nu). Inactive contacts are set to zero.

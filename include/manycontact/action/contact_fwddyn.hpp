@@ -1,5 +1,5 @@
 #pragma once
-// Contact forward dynamics with costs and constraints: the node of an optimal control problem.
+// Contact forward dynamics with costs and constraints: a node of an optimal control problem.
 //
 //     [ M  J^T     ] [  a ]   [ tau(x, u) - h ]        M mass matrix, h bias torques, a accelerations, f contact forces
 //     [ J  -delta I] [ -f ] = [     -a0       ]        J contact Jacobian, a0 its bias, delta = JMinvJt_damping
@@ -32,8 +32,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   using crocoContactModelMultiple = manycontact::ContactModelMultiple;  // sobec's name
   using StateMultibody = manycontact::StateMultibody;
 
-  /// enable_force: always compute the derivatives of contact forces, not only if a cost or a constraint needs them.
-  /// Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
+  /// enable_force: whether the derivatives of contact forces are always computed, not only if a cost or a constraint
+  /// needs them. Throws std::invalid_argument if the parts do not belong together, or the damping is negative.
   DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody> state,
                                             std::shared_ptr<ActuationModelAbstract> actuation,
                                             std::shared_ptr<ContactModelMultiple> contacts,
@@ -70,22 +70,22 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, in new and existing data.
+  /// Returns the armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, in new and existing data.
   const Eigen::VectorXd& get_armature() const { return armature_; }
   void set_armature(const Eigen::VectorXd& armature);      // throws std::invalid_argument for a wrong size
   double get_damping_factor() const { return damping_; }   // JMinvJt_damping [1/kg]
   void set_damping_factor(double damping);                 // not negative, or std::invalid_argument is thrown
   bool get_enable_force() const { return enable_force_; }  // whether derivatives of forces are always computed
-  /// Method and order of the solves, for data created afterwards.
+  /// Returns the options of the solves, such as method and order, for data created afterwards.
   const Options& get_options() const { return options_; }
   void set_options(const Options& options) { options_ = options; }  // for data created afterwards
-  /// The initial state of motions (nx); an empty vector, the default, specifies none. Some closed mechanisms have
-  /// contact rows that depend linearly on others in this state. All solves of data created afterwards treat these rows
-  /// as dependent, even if integration errors have slightly opened the mechanism's loop.
+  /// Returns the initial state of motions (nx); an empty vector, the default, specifies none. Some closed mechanisms
+  /// have contact rows that depend linearly on others in this state. All solves of data created afterwards treat these
+  /// rows as dependent, even if integration errors have slightly opened the mechanism's loop.
   const Eigen::VectorXd& get_start() const { return start_; }
   void set_start(const Eigen::VectorXd& x0);  // throws std::invalid_argument for a wrong size
 
-  /// The external wrenches that act in the solves [N, N m]; initially the wrenches of the state's scene.
+  /// Returns the external wrenches that act in the solves [N, N m]; initially the wrenches of the state's scene.
   const std::vector<Vec6<double>>& get_wrenches() const { return wrenches_; }
   /// Sets the wrenches in new and existing data: one per wrench of the scene, or std::invalid_argument is thrown.
   void set_wrenches(const std::vector<Vec6<double>>& wrenches);
@@ -95,7 +95,8 @@ class DifferentialActionModelContactFwdDynamics : public DifferentialActionModel
   std::size_t get_nh() const override { return constraints_ ? constraints_->get_nh() : 0; }
   std::size_t get_ng_T() const override { return constraints_ ? constraints_->get_ng_T() : 0; }
   std::size_t get_nh_T() const override { return constraints_ ? constraints_->get_nh_T() : 0; }
-  /// The bounds of the active constraints. Bounds set by set_g_lb, set_g_ub apply until a constraint is switched.
+  /// Return the bounds of the active constraints. Bounds set by set_g_lb, set_g_ub apply until a constraint is
+  /// switched.
   const Eigen::VectorXd& get_g_lb() const override;
   const Eigen::VectorXd& get_g_ub() const override;
   const Eigen::VectorXd& get_g_lb_T() const override { return constraints_ ? constraints_->get_lb_T() : g_lb_; }
@@ -136,7 +137,7 @@ struct DifferentialActionDataContactFwdDynamics : DifferentialActionDataAbstract
   std::unique_ptr<DataCollector> multibody;  // scene, solution, torques, contacts
   std::shared_ptr<CostDataSum> costs;
   std::shared_ptr<ConstraintDataManager> constraints;
-  /// Status, rank and residuals of the last calc(data, x, u).
+  /// Returns status, rank and residuals of the last calc(data, x, u).
   const Report& report() const { return multibody->solution.report; }
 
   // Maintained by the model.

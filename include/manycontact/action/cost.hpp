@@ -20,7 +20,8 @@ struct CostDataAbstract {                                             // The val
   std::shared_ptr<const ActivationModelAbstract> of_activation;
   std::shared_ptr<ActivationDataAbstract> activation;
   std::shared_ptr<ResidualDataAbstract> residual;
-  /// True for a user-defined cost: the sum adds Lx, Lu, Lxx, Lxu, Luu. Otherwise the sum reads the residual's blocks.
+  /// Whether the cost is user-defined. If so, a sum of costs adds Lx, Lu, Lxx, Lxu, Luu; otherwise it reads the
+  /// residual's blocks.
   const bool own;
   /// Derivatives of this cost without its weight, set by calcDiff: ndx, nu, ndx x ndx, ndx x nu, nu x nu. In an action
   /// model's data they are empty unless the cost's class is user-defined; call whole_derivatives instead.
@@ -144,7 +145,8 @@ class CostModelSum : public NamedParts<StateAbstract, CostItem> {
   /// nu: number of controls, by default nv. Throws std::invalid_argument for null pointers.
   explicit CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu = kDefaultNu);
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for costs of another state or nu.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for costs of another
+  /// state or nu.
   void addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight, bool active = true);
   void removeCost(const std::string& name);
   void changeCostStatus(const std::string& name, bool active);

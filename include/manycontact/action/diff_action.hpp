@@ -56,7 +56,8 @@ class NodeAbstract : public Printable {
   virtual std::size_t get_nh_T() const { return sized_by() ? sized_by()->get_nh_T() : nh_T_; }  // nh, terminal node
   const std::shared_ptr<StateAbstract>& get_state() const { return state_; }  // the state given to the constructor
 
-  /// Lower and upper bounds of g in a running node (ng); the functions with _T: in a terminal node (ng_T).
+  /// Return the lower and upper bounds of g in a running node (ng). The functions with _T return those in a terminal
+  /// node (ng_T).
   virtual const Eigen::VectorXd& get_g_lb() const { return sized_by() ? sized_by()->get_g_lb() : g_lb_; }
   virtual const Eigen::VectorXd& get_g_ub() const { return sized_by() ? sized_by()->get_g_ub() : g_ub_; }
   virtual const Eigen::VectorXd& get_g_lb_T() const { return sized_by() ? sized_by()->get_g_lb_T() : get_g_lb(); }
@@ -75,10 +76,10 @@ class NodeAbstract : public Printable {
   /// kind: the name that is printed. Throws std::invalid_argument for a null pointer.
   NodeAbstract(const char* kind, std::shared_ptr<StateAbstract> state, std::size_t nu, std::size_t nr, std::size_t ng,
                std::size_t nh, std::size_t ng_T, std::size_t nh_T);
-  /// Returns the node that this node wraps, and whose sizes and bounds of g it returns; null if it wraps none.
+  /// Returns the wrapped node, whose sizes and bounds of g become those of this node; null if there is none.
   virtual const NodeAbstract* sized_by() const { return nullptr; }
   void update_has_control_limits();  // called after the bounds have changed
-  /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x and, if it is given, of u.
+  /// Throws std::invalid_argument "name::function: ..." for wrong sizes of x, and of u unless u is null.
   void check_sizes(const char* name, const char* function, const ConstVectorRef& x, const ConstVectorRef* u) const;
   const char* kind_;
   std::size_t nu_, nr_, ng_, nh_, ng_T_, nh_T_;  // arguments of the constructor; overridden getters may differ

@@ -23,17 +23,18 @@ class ImpulseModelAbstract : public Printable {
  public:
   using DataPtr = std::shared_ptr<ImpulseDataAbstract>;
 
-  /// Standalone, at the motion in `data->pinocchio` (x is ignored): calc computes Jc, calcDiff computes dv0_dq.
+  /// For standalone evaluation, without an action model, at the motion in `data->pinocchio` (x is ignored): calc
+  /// computes Jc, calcDiff computes dv0_dq.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
-  /// Standalone: updateForce sets f = impulse (nc) and fext; updateForceDiff sets df_dx (nc x ndx).
+  /// For standalone evaluation: updateForce sets f = impulse (nc) and fext; updateForceDiff sets df_dx (nc x ndx).
   void updateForce(const DataPtr& data, const Eigen::VectorXd& impulse) const { contact_->updateForce(data, impulse); }
   void updateForceDiff(const DataPtr& data, const Eigen::MatrixXd& df_dx) const;
   void setZeroForce(const DataPtr& data) const { contact_->setZeroForce(data); }
   void setZeroForceDiff(const DataPtr& data) const { contact_->setZeroForceDiff(data); }
   std::shared_ptr<ImpulseDataAbstract> createData(MultibodyData* data) const;
 
-  /// The state given to the constructor.
+  /// Returns the state given to the constructor.
   const std::shared_ptr<StateMultibody>& get_state() const { return contact_->get_state(); }
   std::size_t get_nc() const { return contact_->get_nc(); }         // number of constraint rows
   std::size_t get_nu() const { return 0; }                          // number of controls
@@ -41,7 +42,7 @@ class ImpulseModelAbstract : public Printable {
   ReferenceFrame get_type() const { return contact_->get_type(); }  // the reference frame
   void set_id(FrameIndex id) { contact_->set_id(id); }              // selects another frame
   void set_type(ReferenceFrame type) { contact_->set_type(type); }  // selects another reference frame
-  /// The contact model that has the same constraint rows as this impulse.
+  /// Returns the contact model that has the same constraint rows as this impulse.
   const std::shared_ptr<ContactModelAbstract>& get_contact() const { return contact_; }
   void print(std::ostream& os) const override;  // prints type and sizes
 
@@ -112,13 +113,14 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
 
   explicit ImpulseModelMultiple(std::shared_ptr<StateMultibody> state);  // a stack without parts
 
-  /// Throw std::invalid_argument for names that exist already (or do not), and for impulses of another state.
+  /// Throw std::invalid_argument for a new name that exists already, for an unknown name, and for impulses of another
+  /// state.
   void addImpulse(const std::string& name, std::shared_ptr<ImpulseModelAbstract> impulse, bool active = true);
   void removeImpulse(const std::string& name);
   void changeImpulseStatus(const std::string& name, bool active);
   bool getImpulseStatus(const std::string& name) const { return part(name).active; }  // whether the impulse is active
 
-  /// Standalone: call calc or calcDiff of each active impulse, and stack the results.
+  /// For standalone evaluation: call calc or calcDiff of each active impulse, and stack the results.
   void calc(const DataPtr& data, const ConstVectorRef& x) const;
   void calcDiff(const DataPtr& data, const ConstVectorRef& x) const;
   /// Set the impulses (nc) and their derivatives (nc x ndx). Inactive impulses are set to zero.
@@ -131,7 +133,7 @@ class ImpulseModelMultiple : public NamedParts<StateMultibody, ImpulseItem> {
   const ImpulseModelContainer& get_impulses() const { return parts_; }    // the impulses
   std::size_t get_nc() const { return contacts_->get_nc(); }              // rows of the active impulses
   std::size_t get_nc_total() const { return contacts_->get_nc_total(); }  // rows of all impulses
-  /// The stack of contact models that have the same constraint rows as these impulses.
+  /// Returns the stack of contact models that have the same constraint rows as these impulses.
   const std::shared_ptr<ContactModelMultiple>& get_contacts() const { return contacts_; }
 
  private:

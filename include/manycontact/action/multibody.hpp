@@ -18,7 +18,7 @@ class Multibody {  // The robots and frames of a scene.
 
   /// Copies the robots and gravity of a scene, without contacts and damping (see contacts_of_scene in contact.hpp).
   explicit Multibody(const Scene& scene);
-  /// One robot. base: placement of a fixed base.
+  /// Makes a model of one robot. base: placement of a fixed base in the world.
   explicit Multibody(std::shared_ptr<const Model> model, const SE3<double>& base = {});
 
   int nq = 0, nv = 0;
@@ -30,7 +30,7 @@ class Multibody {  // The robots and frames of a scene.
   /// Returns the number of a frame: "r0/left_sole", or "left_sole" if there is one robot. A joint's name gives the
   /// frame of its link, unless a link has that name. Throws std::invalid_argument for an unknown name.
   FrameIndex getFrameId(const std::string& name) const;
-  /// Whether there is a frame with this name.
+  /// Returns whether there is a frame with this name.
   bool existFrame(const std::string& name) const { return find(name) != nullptr; }
 
  private:

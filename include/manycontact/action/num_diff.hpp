@@ -108,7 +108,8 @@ class NodeNumDiff : public Node, public NumDiffOf<Node> {
 class DifferentialActionModelNumDiff
     : public NodeNumDiff<DifferentialActionModelAbstract, DifferentialActionDataAbstract> {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ..., right for costs 1/2 |r|^2 of weight 1; otherwise second differences.
+  /// with_gauss_approx: whether Hessians are Rx^T Rx, ..., as suits costs 1/2 |r|^2 of weight 1, instead of second
+  /// differences.
   explicit DifferentialActionModelNumDiff(std::shared_ptr<DifferentialActionModelAbstract> model,
                                           bool with_gauss_approx = false);
   std::shared_ptr<DifferentialActionDataAbstract> createData() override;

@@ -61,14 +61,15 @@ class ResidualModelAbstract : public Printable {  // A function r(x, u).
   /// Computes the residual of a terminal node: by default r(x) if r depends on x alone, otherwise zero.
   virtual void calc(const DataPtr& data, const ConstVectorRef& x);
 
-  /// Computes Rx, Ru of data->blocks, and the whole matrices if the data have them, with `differentiate`; after calc.
+  /// Computes Rx, Ru of data->blocks with `differentiate`, and the whole matrices if the data have them. Call it after
+  /// calc.
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u);
   virtual void calcDiff(const DataPtr& data, const ConstVectorRef& x);
   virtual std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared);
 
-  /// Sets up data.blocks, by default one dense block. Called by createData, and when the contact islands change.
+  /// Sets up data.blocks, by default one dense block. It is called by createData, and when the contact islands change.
   virtual void lay_out(ResidualDataAbstract& data) const;
-  /// False if lay_out must set up the blocks again, for example because the residual's frame has changed.
+  /// Returns false if lay_out must set up the blocks again, for example because the residual's frame has changed.
   virtual bool fits(const ResidualDataAbstract&) const { return true; }
   /// Copies the whole Rx, Ru to the blocks, for user-defined residuals whose calcDiff writes whole matrices.
   void take_whole(ResidualDataAbstract& data) const;

@@ -43,7 +43,7 @@ class SquashingModelAbstract {  // A function u(s).
 /// to s between the bounds, and saturates smoothly outside.
 class SquashingModelSmoothSat : public SquashingModelAbstract {
  public:
-  /// Bounds must be finite, with lb < ub and ns numbers; otherwise std::invalid_argument is thrown.
+  /// Throws std::invalid_argument unless the bounds are finite, u_lb < u_ub, and both have ns numbers.
   SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns);
   void calc(const DataPtr& data, const ConstVectorRef& s) override;
   void calcDiff(const DataPtr& data, const ConstVectorRef& s) override;

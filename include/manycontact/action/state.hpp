@@ -8,7 +8,7 @@ namespace manycontact {
 
 /// Selects derivatives of a function with respect to its first argument, its second argument, or both arguments.
 enum Jcomponent { both = 0, first = 1, second = 2 };
-/// How a result is stored: set, added, or subtracted.
+/// Selects whether a result is set, added, or subtracted.
 enum AssignmentOp { setto, addto, rmfrom };
 
 class StateAbstract {  // A manifold with differences and sums.
@@ -34,10 +34,10 @@ class StateAbstract {  // A manifold with differences and sums.
 
   Eigen::VectorXd diff_dx(const ConstVectorRef& x0, const ConstVectorRef& x1) const;     // the result of diff
   Eigen::VectorXd integrate_x(const ConstVectorRef& x, const ConstVectorRef& dx) const;  // the result of integrate
-  /// The results of Jdiff.
+  /// Returns the results of Jdiff.
   std::vector<Eigen::MatrixXd> Jdiff_Js(const ConstVectorRef& x0, const ConstVectorRef& x1,
                                         Jcomponent firstsecond = both) const;
-  /// The results of Jintegrate.
+  /// Returns the results of Jintegrate.
   std::vector<Eigen::MatrixXd> Jintegrate_Js(const ConstVectorRef& x, const ConstVectorRef& dx,
                                              Jcomponent firstsecond = both) const;
 
@@ -58,21 +58,22 @@ class StateAbstract {  // A manifold with differences and sums.
   bool has_limits_ = false;
 };
 
-/// Whether parts made for state a can be used with state b: a and b are one object, or have the same Multibody.
+/// Returns whether parts made for state a can be used with state b: a and b are one object, or have the same Multibody.
 bool same_space(const StateAbstract& a, const StateAbstract& b);
 
 class StateMultibody : public StateAbstract {  // The state x = [q; v] of a scene.
  public:
   /// The bounds are the joint and velocity limits of the robots' URDF files, infinite for joints without limits.
   explicit StateMultibody(std::shared_ptr<const Multibody> model);
-  /// The robots of a scene, or a single robot.
+  /// Makes the state of the robots of a scene.
   explicit StateMultibody(const Scene& scene) : StateMultibody(std::make_shared<const Multibody>(scene)) {}
-  /// The robots of a scene, or a single robot.
+  /// Makes the state of a single robot.
   explicit StateMultibody(std::shared_ptr<const Model> model)
       : StateMultibody(std::make_shared<const Multibody>(std::move(model))) {}
 
   Eigen::VectorXd zero() const override;
-  /// A random state: q within the joints' limits if finite, else within +-pi (+-1 m), any orientation; v within +-1.
+  /// Returns a random state. q is within the joints' limits if these are finite, else within +-pi (+-1 m), with any
+  /// orientation; v is within +-1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

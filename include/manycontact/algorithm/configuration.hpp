@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-/// The configuration with all joints at zero and floating bases at Robot::base.
+/// Returns the configuration with all joints at zero and floating bases at Robot::base.
 Eigen::VectorXd neutral(const RigidBodies& bodies);
 
 /// Samples a configuration uniformly within the joints' limits. Coordinates without limits are within +-pi or +-1 m; a

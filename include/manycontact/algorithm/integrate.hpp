@@ -14,7 +14,8 @@ template <class S>
 void difference(const Model& model, const ConstVecRef<S>& q0, const ConstVecRef<S>& q1, VecRef<S> out);
 
 /// Computes a joint's block J of d(q (+) v)/dv, or of d(q (+) v)/dq if `of_q`; entries outside of the joints' blocks
-/// are zero. v: the joint's coordinates. Derivatives with respect to q are on the tangent spaces at q and q (+) v.
+/// are zero. v: the joint's velocity coordinates. Derivatives with respect to q are on the tangent spaces at q and q
+/// (+) v.
 void joint_integrate_derivative(const Joint& joint, const ConstVectorRef& v, bool of_q, Eigen::Ref<Eigen::MatrixXd> J);
 
 /// Computes a joint's block J of d(q1 (-) q0)/dq1, or of d(q1 (-) q0)/dq0 if `of_q0`. v: the joint's q1 (-) q0.

@@ -1,6 +1,6 @@
 #pragma once
-// Dynamics and kinematics of robots without contacts, in double precision, much as in Pinocchio. The first argument of
-// a function is a scene, one robot of a scene, or a model (model/rigid_bodies.hpp).
+// Dynamics and kinematics of robots without contacts, in double precision. Most functions correspond to functions of
+// Pinocchio. The first argument of a function is a scene, one robot of a scene, or a model (model/rigid_bodies.hpp).
 //
 //     RigidBodyData data(scene);
 //     const Eigen::VectorXd& tau = rnea(scene, q, v, a, data);
@@ -107,7 +107,7 @@ void forward_kinematics(const RigidBodies& bodies, const ConstVectorRef& q, cons
 // origin. Local_world_aligned: the world's axes, at the frame's origin. `frame` is a result of find_frame or attach;
 // a frame of the world is at rest.
 
-/// The placement oMf of a frame in the world.
+/// Returns the placement oMf of a frame in the world.
 SE3<double> frame_placement(const RigidBodies& bodies, const RigidBodyData& data, const Attachment& frame);
 /// Computes the spatial velocity of a frame: linear [m/s], angular [rad/s].
 Vec6<double> frame_velocity(const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
@@ -127,22 +127,22 @@ Vec6<double> frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& d
                                      ReferenceFrame axes = ReferenceFrame::kLocal);
 
 // ---- quantities of the whole, at the state of the data -------------------------------------------------------------
-// All bodies that move contribute, in the world's axes. Bodies merged into a fixed base are not part of a model.
-// Results are NaN if the total mass is zero.
+// All moving bodies contribute. Results are in the world's axes. Bodies merged into a fixed base are not part of a
+// model. Results are NaN if the total mass is zero.
 
-/// The total mass of the moving bodies [kg].
+/// Returns the total mass of the moving bodies [kg].
 double total_mass(const RigidBodies& bodies);
-/// The centre of mass in the world [m].
+/// Returns the centre of mass in the world [m].
 Vec3<double> center_of_mass(const RigidBodies& bodies, const RigidBodyData& data);
-/// The velocity of the centre of mass [m/s].
+/// Returns the velocity of the centre of mass [m/s].
 Vec3<double> center_of_mass_velocity(const RigidBodies& bodies, RigidBodyData& data);
-/// The acceleration of the centre of mass [m/s^2].
+/// Returns the acceleration of the centre of mass [m/s^2].
 Vec3<double> center_of_mass_acceleration(const RigidBodies& bodies, RigidBodyData& data);
-/// The Jacobian J (3 x nv) of the centre of mass: its velocity is J v. Allocates the result.
+/// Returns the Jacobian J (3 x nv) of the centre of mass, whose velocity is J v. Allocates the result.
 Eigen::Matrix3Xd center_of_mass_jacobian(const RigidBodies& bodies, RigidBodyData& data);
-/// Compute momentum about the centre of mass, linear [N s] and angular [N m s]; the matrix A (6 x nv) with momentum = A
-/// v; and the rate dA/dt v + A a [N, N m]. The rate equals the sum of all external wrenches about the centre of mass.
-/// Rotors (armature) do not contribute.
+/// Compute the momentum A v about the centre of mass, the matrix A (6 x nv), and the rate of the momentum, dA/dt v + A
+/// a. Momentum is linear [N s], then angular [N m s], and the rate is in [N, N m]. The rate equals the sum of all
+/// external wrenches about the centre of mass. Rotors (armature) do not contribute.
 Vec6<double> centroidal_momentum(const RigidBodies& bodies, RigidBodyData& data);
 Mat6X<double> centroidal_momentum_matrix(const RigidBodies& bodies, RigidBodyData& data);
 Vec6<double> centroidal_momentum_rate(const RigidBodies& bodies, RigidBodyData& data);
@@ -153,10 +153,12 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data);
 
 // ---- joints --------------------------------------------------------------------------------------------------------
 
-/// The wrench that a joint transmits to its child body: force [N] and moment [N m], in the child frame and about its
-/// origin, from the last rnea, nonlinear_effects or gravity_torques. The child is that of the file, for any root link.
-/// The component along the joint is tau without the rotor's inertia, friction and spring. External forces count if rnea
-/// had them as fext, see forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error after any other function.
+/// Returns the wrench that a joint transmits to its child body: force [N] and moment [N m], in the child frame and
+/// about its origin, from the last rnea, nonlinear_effects or gravity_torques. The child is the joint's child link in
+/// the file, also if another root link was selected. The component along the joint is tau without the torques of
+/// armature, joint friction and joint spring. External forces are included if they were given to rnea as fext; see
+/// forces_on_bodies (contact/jacobian.hpp). Throws std::logic_error unless one of these three functions was the last
+/// that set the state of the data.
 Vec6<double> joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint);
 
 }  // namespace manycontact

@@ -6,9 +6,10 @@
 //     v := v + dv       min dv^T M dv   over the dv with least |J dv + J v|  once, at the final q
 //
 // Each step is one solve with [M J^T; J 0] of the scene at rest, without gravity, with a prescribed motion of the
-// contacts. Contacts may be redundant. The steps of q are Gauss-Newton steps of least norm in the mass-weighted
-// norm. If a step does not decrease |e|, -delta I replaces the 0 (Levenberg-Marquardt). The velocity v is computed as
-// for an impact (simulation/switch.hpp). |e| adds metres and radians equally. Joint limits are ignored.
+// contacts. Contacts may be redundant. The steps of q are Gauss-Newton steps of least norm in the mass-weighted norm.
+// If a step does not decrease |e|, -delta I replaces the zero block (Levenberg-Marquardt). The velocity v is computed
+// as for an impact (simulation/switch.hpp). In |e|, a metre and a radian have the same weight. Joint limits are
+// ignored.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -22,13 +23,13 @@ struct ConsistentState {                  // The state found, and its remaining 
   std::vector<PlacementError> misplaced;  // contacts that could not be brought into place
   std::vector<VelocityError> moving;      // contacts that still move
 
-  /// Whether all contacts are in place and none of them moves.
+  /// Returns whether all contacts are in place and none of them moves.
   bool consistent() const { return misplaced.empty() && moving.empty(); }
 };
 
 /// Finds a state near q (nq), v (nv) that is consistent with the contacts flagged `active`. If contacts cannot be
-/// brought into place, `q` is where |e| was least, and `misplaced` lists these contacts. Throws std::invalid_argument
-/// for wrong sizes. Allocates; each step costs a solve. Thread-safe.
+/// brought into place, `q` is the configuration with the least |e| found, and `misplaced` lists these contacts. Throws
+/// std::invalid_argument for wrong sizes. Allocates; each step costs a solve. Thread-safe.
 ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
                                 const ConstVectorRef& v, const Options& options = {});
 /// Calls make_consistent with the contacts that are active in the scene.

@@ -1,6 +1,7 @@
 #pragma once
-// Checks of a scene and its solution that no status covers: contacts that start out of place or moving, forces that a
-// unilateral contact cannot exert, contradicting contacts, exceeded joint limits, and joints without inertia.
+// Checks of a scene and its solution that no status covers. They find contacts that start out of place or moving,
+// forces that a unilateral contact cannot exert, contradicting contacts, exceeded joint limits, and joints without
+// inertia.
 
 #include <string>
 #include <vector>
@@ -10,14 +11,14 @@
 
 namespace manycontact {
 
-/// Placement errors below this are attributed to rounded numbers in files [m, rad].
+/// Placement errors below this threshold are attributed to rounded numbers in files [m, rad].
 constexpr double kPlacementError = 1e-6;
 
 /// A contact whose frame A is not where the contact requires it relative to its target frame B'.
 struct PlacementError {
   int contact = 0;
   double position = 0;  // m: |p_A - p_B'| along the constraint rows
-  double angle = 0;     // rad: between the axes of A and B (6D), or between the hinge axes (5D); 0 for points
+  double angle = 0;     // rad: angle between the axes of A and B' (6D), or between the hinge axes (5D); 0 for points
 };
 
 /// Lists those contacts flagged `active` whose placement error at q (scene.nq) is kPlacementError or more. Throws
@@ -28,7 +29,7 @@ std::vector<PlacementError> placement_errors(const Scene& scene, const ConstVect
 /// Describes an error: "0.1 m and 0.02 rad", without negligible parts.
 std::string in_words(const PlacementError& error);
 
-/// Velocity errors below this are attributed to rounded numbers in files [m/s, rad/s].
+/// Velocity errors below this threshold are attributed to rounded numbers in files [m/s, rad/s].
 constexpr double kVelocityError = 1e-6;
 
 /// A contact whose frames move relative to each other: J v is not zero, although the contact is bilateral.
@@ -50,7 +51,7 @@ std::string name_of(const Scene& scene, const Unbalanced& unbalanced);
 /// Describes the unbalanced load: "no torques keep it at rest in this configuration: 1.9 N m of its load remain".
 std::string in_words(const Unbalanced& unbalanced);
 
-/// Rates of J v due to rotating rows below this are attributed to rounded numbers in files [m/s^2].
+/// The threshold of TurningRows::rate [m/s^2]. Lower rates are attributed to rounded numbers in files.
 constexpr double kTurningRows = 1e-6;
 
 /// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
@@ -65,7 +66,7 @@ struct TurningRows {
 std::vector<TurningRows> turning_rows(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                       const std::vector<char>& active);
 
-/// The ways in which a contact force can violate the conditions of a unilateral contact with friction.
+/// The conditions of a unilateral contact with friction that a force can violate: it pulls, slips, tips or turns.
 enum class ViolationKind { kPulls, kSlips, kTips, kTurns };
 /// Returns the kind's name: "pulls", "slips", "tips", "turns".
 std::string to_string(ViolationKind kind);
@@ -75,7 +76,7 @@ std::string unit_of(ViolationKind kind);
 struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
   int contact = 0;
   ViolationKind kind = ViolationKind::kPulls;
-  double by = 0;     // above 0, the excess: N of pull; N of tangential force; m from the centre of pressure to the box;
+  double by = 0;     // the excess, above 0: N of pull; N of tangential force; m from the centre of pressure to the box;
                      // N m of torque about the normal
   double needs = 0;  // kSlips: the friction coefficient that would be sufficient
 };
@@ -92,8 +93,8 @@ struct Violation {  // A contact force that a unilateral contact cannot exert, a
 /// the last condition: Caron, Pham, Nakamura, Stability of surface contacts for humanoid robots, ICRA 2015.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset);
-/// Lists violations as above, with given loads [N], one per robot, instead of the weights as scale of rounding errors.
-/// In a step of semi-implicit Euler the loads include momenta divided by the step size.
+/// Lists violations as the first overload does. The scale of rounding errors is given by `loads` [N], one per robot,
+/// instead of the weights. In a step of semi-implicit Euler the loads include momenta divided by the step size.
 std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, const Eigen::VectorXd& f,
                                   const std::vector<int>& f_offset, const Eigen::VectorXd& loads);
 /// Returns the weights of the robots [N].
@@ -129,8 +130,9 @@ struct Contradiction {
 /// residual. Throws std::logic_error before a solve.
 std::vector<Contradiction> contradictions(const Scene& scene, const SceneData& data);
 
-/// Finds the coordinates of a robot at q (its nq) without inertia, armature included: their pivots in the leaf-to-root
-/// elimination are rounding errors. Throws std::length_error for trees too deep for a joint-space inertia.
+/// Returns the coordinates of a robot that have no inertia, and no armature, at q (the robot's nq). Their pivots in the
+/// leaf-to-root elimination of M are rounding errors. Throws std::length_error for trees too deep for a joint-space
+/// inertia.
 std::vector<int> massless_coordinates(const Robot& robot, const ConstVectorRef& q);
 
 /// A joint that makes the joint-space inertia singular, and the cause.
@@ -139,8 +141,9 @@ struct MasslessJoint {
   std::string why;    // no mass below it, or a missing moment of inertia, or no inertia left by the joints below
 };
 
-/// Lists each massless joint of the robots in islands that failed for lack of inertia; in trees too deep for a
-/// joint-space inertia, only joints without mass below them. Throws std::logic_error before a solve at q (nq).
+/// Lists each massless joint of the robots in islands that failed for lack of inertia. In trees too deep for a
+/// joint-space inertia, only joints without mass below them are found. Throws std::logic_error before a solve at q
+/// (nq).
 std::vector<MasslessJoint> massless_joints(const Scene& scene, const SceneData& data, const ConstVectorRef& q);
 
 }  // namespace manycontact

@@ -11,7 +11,7 @@
 namespace manycontact {
 
 /// A row is nearly dependent if its component orthogonal to the preceding rows is less than this share of its norm, but
-/// more than rounding error. Rows that Scene::tolerance makes dependent are not nearly dependent.
+/// more than a rounding error. Rows that Scene::tolerance makes dependent are not nearly dependent.
 constexpr double kOnlyJust = 1e-3;
 /// The rank decision is unreliable if the least accepted residual is below this multiple of the largest rejected one.
 constexpr double kCloseGap = 1e3;
@@ -23,7 +23,7 @@ struct RankGap {                // How reliable the rank decision of an island w
   double most_dropped = 0;      // largest relative residual of a rejected row; at least eps, the rounding error
   int kept = -1, dropped = -1;  // rows with these two residuals, as indices of f; -1: there is no such row
 
-  /// The ratio of the smallest accepted to the largest rejected residual.
+  /// Returns the ratio of the smallest accepted to the largest rejected residual.
   double gap() const { return least_kept / most_dropped; }
 };
 /// Computes the gap of an island of nv velocities and nc rows after a solve, with dense matrices. The result is unknown

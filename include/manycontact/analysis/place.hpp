@@ -4,9 +4,10 @@
 //
 //     q := q (+) dq        min |J dq + e|^2 + mu |dq|^2        lower <= q + dq <= upper
 //
-// These are Gauss-Newton steps, damped by mu (Levenberg-Marquardt). A step of the coordinates not at a limit (J) is
+// These are Gauss-Newton steps, damped by mu (Levenberg-Marquardt). Let J now have the columns of the coordinates that
+// are not at a limit, and J_limited the columns of those that are. A step is
 //
-//     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited      (limited: coordinates at a limit)
+//     dq = -J^T y        (J J^T + mu 1) y = e + J_limited dq_limited
 //
 // where the matrix J J^T + mu 1 is sparse: two goals are coupled only if they are on one robot, or on robots that
 // contacts couple. Block pivoting finds the coordinates at a limit, and ends at the unique minimum of the step. Source:
@@ -30,7 +31,8 @@ namespace manycontact {
 
 struct TaskFile;  // io/task_file.hpp
 
-/// Three numbers, some of which may be open: {std::nullopt, std::nullopt, 0.0} requires z = 0 only.
+/// Three required numbers, some of which may be missing. For example, {std::nullopt, std::nullopt, 0.0} requires z = 0
+/// only.
 using Partial = std::array<std::optional<double>, 3>;
 
 /// A goal for a configuration; made by the functions below.
@@ -52,16 +54,19 @@ struct Goal {
   int contact = -1;                       // kContact: the contact to bring into place
 };
 
-/// A goal for the placement of a frame in the world, complete, or only given components of x, y, z [m] and roll, pitch,
-/// yaw [rad]. Roll and pitch without yaw define the tilt of the frame ({0, 0, open}: its z is up). Any other subset of
-/// angles is compared as rpy, which is singular at a pitch of pi/2. `frame`: made by find_frame or attach.
+/// Return a goal for the complete placement of a frame in the world, or for given components of x, y, z [m] and roll,
+/// pitch, yaw [rad]. Roll and pitch without yaw define the tilt of the frame (with {0, 0, open} its z axis points up).
+/// Any other subset of angles is compared as rpy, which is singular at a pitch of pi/2. `frame`: made by find_frame or
+/// attach.
 Goal pose_goal(const Attachment& frame, const SE3<double>& placement, double weight = 1);
 Goal pose_goal(const Attachment& frame, const Partial& position, const Partial& rpy = {}, double weight = 1);
-/// A goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown robot.
+/// Returns a goal for the centre of mass of the scene, or of one robot [m]. Throws std::invalid_argument for an unknown
+/// robot.
 Goal center_of_mass_goal(const Scene& scene, const Partial& position, const std::string& robot = "", double weight = 1);
-/// A goal for the position of a one-coordinate joint "r0/knee" [rad, m]. Throws std::invalid_argument for other joints.
+/// Returns a goal for the position of a one-coordinate joint "r0/knee" [rad, m]. Throws std::invalid_argument for other
+/// joints.
 Goal joint_goal(const Scene& scene, const std::string& joint, double value, double weight = 1);
-/// A goal to bring a contact, active or not, into place. Throws std::invalid_argument for an unknown name.
+/// Returns a goal to bring a contact, active or not, into place. Throws std::invalid_argument for an unknown name.
 Goal contact_goal(const Scene& scene, const std::string& contact, double weight = 1);
 
 struct GoalLeft {       // The remaining error of a goal.
@@ -70,10 +75,10 @@ struct GoalLeft {       // The remaining error of a goal.
 };
 
 struct PlaceOptions {        // When the search ends, and from how many configurations it starts.
-  int iterations = 1000;     // largest number of steps from each start; the search ends before if the error stays
+  int iterations = 1000;     // largest number of steps from each start; it ends earlier if the error stays constant
   double tolerance = 1e-12;  // a goal is met if every row of its error e, times the root of its weight, is below this
                              // tolerance or below the rounding errors
-  int restarts = 0;          // further starts while goals are not met: random joints within limits, bases as in q
+  int restarts = 0;          // further starts while goals are not met, at random joints within limits, bases as in q
   unsigned seed = 0;         // seed of the random starts
 };
 
@@ -83,7 +88,7 @@ struct PlacedScene {           // The configuration found, and its remaining err
   bool out_of_steps = false;   // whether the search for q ended at PlaceOptions::iterations: the error still decreased
   std::vector<GoalLeft> left;  // one entry per goal
 
-  /// Whether the remaining errors of all goals are at most `error` [m, rad].
+  /// Returns whether the remaining errors of all goals are at most `error` [m, rad].
   bool met(double error = 1e-9) const;
 };
 

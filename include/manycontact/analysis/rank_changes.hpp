@@ -1,7 +1,7 @@
 #pragma once
 // Detects configurations at which J loses rank: constraint rows are dependent there, but independent at neighbouring
-// configurations. Let n be a vector with J^T n = 0, z a motion with J z = 0, and dJ[z] the change of J along z.
-// If B(z, y) = n^T dJ[z] y vanishes, the rank is locally constant to first order. Otherwise:
+// configurations. Let n be a vector with J^T n = 0, z a motion with J z = 0, and dJ[z] the change of J along z. If B(z,
+// y) = n^T dJ[z] y vanishes for all n, z and all motions y, the rank is locally constant to first order. Otherwise:
 //
 //     B(z, z) is not 0   The configuration is singular, as in a flat loop or a stretched leg. The dependent rows
 //                        constrain one more motion at neighbouring q. The accelerations are valid for this

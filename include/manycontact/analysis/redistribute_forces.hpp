@@ -4,7 +4,8 @@
 //     f + N y,    J^T N = 0,
 //
 // causes the same accelerations. The columns of N are a basis of the null space of J^T, with J the contact rows. These
-// functions compute N, and the forces closest to given forces. For friction cones, find y by a quadratic program.
+// functions compute N, and the forces closest to given forces. Forces inside friction cones require a y that a
+// quadratic program determines.
 
 #include <Eigen/SparseCore>
 
@@ -13,8 +14,8 @@
 namespace manycontact {
 
 /// Computes an orthonormal basis N of the null space of J^T after a solve at q (nq). N has data.f.size() rows and, per
-/// island of nc rows, nc - rank columns with entries in its rows only. N has no columns for failed islands or with
-/// damping (unique forces). Each column costs a few solves of the scene at rest. Allocates. Throws
+/// island of nc rows, nc - rank columns with entries only in the rows of the island. N has no columns for failed
+/// islands or with damping (unique forces). Each column costs a few solves of the scene at rest. Allocates. Throws
 /// std::logic_error before a solve, std::invalid_argument for a wrong size of q. Thread-safe for distinct data.
 Eigen::SparseMatrix<double> force_null_space(const Scene& scene, const ConstVectorRef& q, const SceneData& data);
 

@@ -11,8 +11,8 @@ namespace manycontact {
 /// null space of J^T is not zero in this row, or if there is no solution. A door on two ball joints has unique
 /// horizontal forces, but the distribution of its weight is not unique.
 ///
-/// The norm of forces adds N and N m by Scene::moment_length; it does not influence the unique forces. To choose other
-/// forces, see analysis/redistribute_forces.hpp.
+/// Scene::moment_length weights moments against forces in the norm, but does not influence which forces are unique. To
+/// choose other forces, see analysis/redistribute_forces.hpp.
 ///
 /// Call it after solve at q (nq). With damping every force is unique. Otherwise random vectors w are projected on the
 /// null space of J^T, by solves of the scene at rest: the projection is w - J x with the least |J x - w|. Component i

@@ -1,6 +1,6 @@
 #pragma once
-// The active contacts of a scene as one matrix J and one vector a0, and contact forces f as wrenches on bodies. They
-// are for programs with their own equations, such as whole-body controllers:
+// The active contacts of a scene as one matrix J and one vector a0, and contact forces f as wrenches on bodies. These
+// functions are for programs with their own equations, such as whole-body controllers:
 //
 //     J a + a0 = 0        M a + h = S^T u + J^T f
 
@@ -22,16 +22,16 @@ Eigen::MatrixXd contact_jacobian(const Scene& scene, const ConstVectorRef& q, co
 Eigen::VectorXd contact_bias_acceleration(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                           const std::vector<char>& active = {});
 
-/// Computes the wrenches on bodies at q (nq) and v (nv) by contact forces, external wrenches, and springs and dampers
-/// between points. The contact forces are `f`, with rows and `f_offset` as in Solution (-1: contact not active).
-/// `wrenches` has the external wrenches as `SceneData::wrenches`; if empty, the scene's are used. The result has one
-/// wrench per joint, robot by robot, in child frames: the fext of rnea (algorithm/rigid_body.hpp). With this fext,
-/// rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of joints. NaN if the ends of a spring
-/// coincide. Allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
+/// Computes the wrenches that contact forces, external wrenches, and springs and dampers between points exert on
+/// bodies, at q (nq) and v (nv). The contact forces are `f`, with rows and `f_offset` as in Solution (-1: contact not
+/// active). `wrenches` has the external wrenches as `SceneData::wrenches`; if empty, the scene's are used. The result
+/// has one wrench per joint, robot by robot, in child frames: the argument fext of rnea (algorithm/rigid_body.hpp).
+/// With this fext, rnea(q, v, a) returns the motor torques alone, and joint_wrench the load of joints. The result is
+/// NaN if the ends of a spring coincide. Allocates. Throws std::invalid_argument for wrong sizes. Thread-safe.
 std::vector<Vec6<double>> forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                            const ConstVectorRef& f, const std::vector<int>& f_offset,
                                            std::span<const Vec6<double>> wrenches = {});
-/// Computes forces_on_bodies for the contact forces alone.
+/// Computes the result of forces_on_bodies for the contact forces alone.
 std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& f,
                                                    const std::vector<int>& f_offset);
 

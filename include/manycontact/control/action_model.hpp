@@ -31,11 +31,11 @@ struct ActionDataAbstract {
   Eigen::MatrixXd Gx, Gu;         // ng x ndx, ng x nu: set by calcDiff
   Eigen::MatrixXd Hx, Hu;         // nh x ndx, nh x nu: set by calcDiff
 
-  /// False if the matrices above are empty, because the derivatives are stored in another form. This applies to
+  /// Returns false if the matrices above are empty, because the derivatives are stored in another form. This applies to
   /// IntegratedActionModelEuler with storage kPanel, and to ActionModelParts with kSparse.
   virtual bool has_matrices() const { return true; }
-  /// pull_back computes gx = Fx^T p, gu = Fu^T p for p (ndx); dynamics copies Fx, Fu. Both use the last calcDiff, and
-  /// throw std::logic_error if only the subproblems' data contain derivatives.
+  /// pull_back computes gx = Fx^T p and gu = Fu^T p for p (ndx). `dynamics` copies Fx to fx and Fu to fu. Both use the
+  /// last calcDiff, and throw std::logic_error if only the subproblems' data contain derivatives.
   virtual void pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const;
   virtual void dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const;
 

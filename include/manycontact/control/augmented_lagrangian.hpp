@@ -1,19 +1,21 @@
 #pragma once
 // Problems with constraints g_lb <= g <= g_ub, h = 0, solved by the method of multipliers: an unconstrained solver
-// minimises the augmented Lagrangian (detail/control/augmented_action.hpp) at fixed multipliers y, penalty rho. Then
+// minimises the augmented Lagrangian (detail/control/augmented_action.hpp) for fixed multipliers y and penalty rho.
+// After each minimisation
 //
 //     y <- y+,    rho <- 10 rho  if  m = max |y+ - y| / rho  decreased by less than a factor of 10,
 //
 // until violation and KKT residual are small (Andreani, Birgin, Martinez, Schuverdt, SIAM J. Optim. 18, 2007; Nocedal &
-// Wright 17.4). y+ are the multipliers that the minimum implies. m is the violation, for inactive inequalities |y|/rho.
-// The multipliers converge, so that constraints are met up to rounding errors at a moderate penalty. A minimisation
-// ends if its expected reduction is below rho/2 (0.09 m)^2, with m of the previous minimisation: the remaining error of
-// constraints is then about 0.09 m. A minimisation also ends if ten iterations reduce the augmented Lagrangian by less
-// than a hundredth of the constraints' contribution, and the violation by less than half.
+// Wright 17.4). y+ are the multipliers that the minimum implies. m is the largest violation, where an inactive
+// inequality has |y| / rho instead. The multipliers converge, so that constraints are met up to rounding errors at a
+// moderate penalty. A minimisation ends if its expected reduction is below rho/2 (0.09 m)^2, with m of the previous
+// minimisation: the remaining error of constraints is then about 0.09 m. A minimisation also ends if ten iterations
+// reduce the augmented Lagrangian by less than a hundredth of the constraints' contribution, and the violation by less
+// than half.
 //
 // The Gauss-Newton Hessian lacks the curvature of constraints and dynamics, weighted by multipliers. Near the end of an
 // arm's reach the true Hessian is five times larger: steps overshoot, and minimisations converge slowly or not at all.
-// If `stop` decreased by less than a factor of ten in two iterations, and of three in the last iteration, the
+// If `stop` decreased by less than a factor of ten in two iterations, and by less than three in the last iteration, the
 // quasi-Newton steps of SolverDDP::descend continue. If these steps fail too, Gauss-Newton steps continue.
 //
 // If the violation does not decrease although the constraints outweigh the cost, there are three possible causes: the
@@ -43,12 +45,12 @@ namespace manycontact {
 
 class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained problems with an unconstrained solver.
  public:
-  /// Creates the unconstrained solver for a given problem.
+  /// The type of functions that create the unconstrained solver for a given problem.
   using MakeSolver = std::function<std::shared_ptr<SolverDDP>(std::shared_ptr<ShootingProblem>)>;
   /// Uses SolverSparse if nodes are ActionModelParts without dense matrices; otherwise SolverBoxFDDP if a model has
   /// control limits, else SolverFDDP. Throws std::invalid_argument for a null problem.
   explicit SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem);
-  /// Uses the solver that `make` returns. problem: not null, or std::invalid_argument is thrown.
+  /// Uses the solver that `make` returns. Throws std::invalid_argument for a null problem.
   SolverAugmentedLagrangian(std::shared_ptr<ShootingProblem> problem, const MakeSolver& make);
   ~SolverAugmentedLagrangian() override;
   SolverAugmentedLagrangian(const SolverAugmentedLagrangian&) = delete;
@@ -59,19 +61,21 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   /// get_th_constraint(), KKT residual <= get_th_kkt(), and stopping value < get_th_stop() or no step accepted.
   bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
              std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) override;
-  /// Call the functions of the unconstrained solver. `solve` does not call these four functions; therefore they are
-  /// final. To change them, derive from the unconstrained solver (MakeSolver).
+  /// Call the functions of the same names of the unconstrained solver. `solve` does not call these four functions;
+  /// therefore they are final. To change them, derive from the unconstrained solver (MakeSolver).
   void computeDirection(bool recalc = true) final { inner_->computeDirection(recalc); }
   double tryStep(double steplength = 1) final { return inner_->tryStep(steplength); }
   double stoppingCriteria() final { return stop_ = inner_->stoppingCriteria(); }
   const Eigen::Vector2d& expectedImprovement() final { return d_ = inner_->expectedImprovement(); }
   void resizeData() override;
 
-  /// The multipliers of each node's [g; h] (T + 1; empty without constraints): >= 0 at upper, <= 0 at lower bounds.
+  /// Returns the multipliers of each node's [g; h] (T + 1 vectors, empty for nodes without constraints). They are >= 0
+  /// at upper and <= 0 at lower bounds.
   Vectors get_multipliers() const;
   /// Sets the multipliers, as get_multipliers returns them. Throws std::invalid_argument for wrong sizes.
   void set_multipliers(const Vectors& multipliers);
-  /// The multipliers of the dynamics after a solve (T + 1 vectors of ndx), as the function kkt_residual takes them.
+  /// Returns the multipliers of the dynamics after a solve (T + 1 vectors of ndx), as the function kkt_residual takes
+  /// them.
   const Vectors& get_dynamics_multipliers() const { return inner_->get_Vx(); }
   void reset();  // resets the multipliers to zero and the penalty to its initial value
   /// Calls the problem's circularAppend. Multipliers move with their nodes; the new node has zero multipliers.
@@ -80,7 +84,7 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
 
   const std::shared_ptr<SolverDDP>& get_inner() const { return inner_; }  // the unconstrained solver
   double get_violation() const { return violation_; }                     // largest violation, after a solve
-  /// The KKT residual after a solve, in units of get_kkt_scale().
+  /// Returns the KKT residual after a solve, in units of get_kkt_scale().
   double get_kkt_residual() const { return kkt_; }
   std::size_t get_outer_iter() const { return outer_; }        // minimisations of the last solve
   double get_penalty() const { return rho_; }                  // the current penalty
@@ -89,10 +93,11 @@ class SolverAugmentedLagrangian : public SolverAbstract {  // Solves constrained
   double get_penalty_max() const { return rho_max_; }          // largest penalty
   double get_th_constraint() const { return th_constraint_; }  // threshold of the violation
   double get_th_kkt() const { return th_kkt_; }                // threshold of the KKT residual
-  /// The number of separate minimisations of the violation in the last solve.
+  /// Returns the number of separate minimisations of the violation in the last solve.
   std::size_t get_restorations() const { return restorations_; }
-  /// The size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max) and th_stop are
-  /// multiplied by it, and th_kkt by get_kkt_scale(). With set_measures_scale(true) a solve measures both at its guess.
+  /// Returns the size of the cost, as in SolverDDP. The penalties (set_penalty_init, set_penalty_max) and th_stop are
+  /// multiplied by this size, and th_kkt by get_kkt_scale(). With set_measures_scale(true) a solve computes both
+  /// numbers at its guess.
   double get_scale() const { return scale_; }
   double get_kkt_scale() const { return kkt_scale_; }  // the unit of gradients, as in SolverDDP
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }  // see SolverDDP

@@ -29,7 +29,8 @@ class BoxQP {  // The solver of one quadratic problem with bounds.
   [[nodiscard]] bool minimise(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, const Eigen::VectorXd& lb,
                               const Eigen::VectorXd& ub, const Eigen::VectorXd& xinit);
   bool is_sound() const { return sound_; }
-  /// Sets rows and columns of free components in `inverse` (nx x nx) to Hff^-1, the others to 0. Call after a solve.
+  /// Sets rows and columns of free components in `inverse` (nx x nx) to Hff^-1, and the others to 0. Call it after a
+  /// solve.
   void free_inverse(Eigen::MatrixXd& inverse);
   const BoxQPSolution& get_solution() const { return solution_; }
 

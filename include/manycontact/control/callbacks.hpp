@@ -7,11 +7,12 @@
 
 namespace manycontact {
 
-/// Columns: _0 cost, stop, |grad|, preg, step, dV expected and actual; _1 also merit and gaps; _2 also dreg; _3 also
-/// violations of g and h; _4 also the reductions of the merit.
+/// The columns of CallbackVerbose. Level _0 has cost, stop, |grad|, preg, step, and dV expected and actual. Level _1
+/// adds merit and gaps. Level _2 adds dreg, _3 violations of g and h, and _4 the reductions of the merit.
 enum VerboseLevel { _0 = 0, _1, _2, _3, _4 };
 
-/// Prints one line for each iteration, on standard output unless another stream is given. Crocoddyl's CallbackVerbose.
+/// Prints one line for each iteration, on standard output unless another stream is given, as Crocoddyl's
+/// CallbackVerbose does.
 class CallbackVerbose : public CallbackAbstract {
  public:
   explicit CallbackVerbose(VerboseLevel level = _4, int precision = 3);  // precision: number of digits

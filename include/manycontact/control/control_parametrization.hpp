@@ -43,7 +43,8 @@ class ControlParametrizationModelAbstract {
   virtual bool checkData(const Data& data) { return data != nullptr; }
   /// Computes data->u for the constant control w (nw).
   virtual void params(const Data& data, double t, const ConstVectorRef& w) const = 0;
-  /// Computes bounds of u that keep w within its bounds; for PolyTwoRK only at the times of the polynomial's nodes.
+  /// Computes bounds of u that keep w within its bounds. With PolyOne they do so for t <= 1/2 only, with PolyTwoRK only
+  /// at the times of the polynomial's nodes.
   virtual void convertBounds(const ConstVectorRef& w_lb, const ConstVectorRef& w_ub, VectorRef u_lb,
                              VectorRef u_ub) const = 0;
   /// Compute A dw_du, or dw_du^T A, at the t of the last calc. op: the product is set, added or subtracted in `out`.
@@ -55,7 +56,7 @@ class ControlParametrizationModelAbstract {
   Eigen::MatrixXd multiplyJacobianTransposeBy_J(const Data& data, const Eigen::Ref<const Eigen::MatrixXd>& A) const;
 
   std::size_t get_nw() const { return nw_; }  // number of controls w
-  std::size_t get_nu() const { return nu_; }  // number of controls
+  std::size_t get_nu() const { return nu_; }  // number of parameters u
 
  protected:
   std::size_t nw_, nu_;
@@ -124,7 +125,7 @@ class ControlParametrizationModelPolyTwoRK : public ControlParametrizationModelP
 class ControlParametrizationModelNumDiff : public ControlParametrizationModelAbstract,
                                            public NumDiffOf<ControlParametrizationModelAbstract> {
  public:
-  /// model: the one that is differentiated.
+  /// model: the model to differentiate.
   explicit ControlParametrizationModelNumDiff(std::shared_ptr<ControlParametrizationModelAbstract> model)
       : ControlParametrizationModelAbstract(internal::given("ControlParametrizationModelNumDiff", model)->get_nw(),
                                             model->get_nu()),

@@ -8,7 +8,8 @@
 //     Vxx = Qxx - Qxu K + rho I,  Vx = Qx - K^T Qu  (+ Vxx fs_t if the candidate has gaps)
 //
 // The forward pass of step length s simulates u = us - s k - K (x (-) xs) from x0; the simulated motion has no gaps.
-// Interface, algorithm, defaults: Crocoddyl 3.0's SolverDDP (Tassa et al., ICRA 2014; Mastalli et al., ICRA 2020).
+// Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverDDP (Tassa et al., ICRA 2014; Mastalli et al.,
+// ICRA 2020).
 
 #include "manycontact/control/solver.hpp"
 #include "manycontact/detail/control/limited_bfgs.hpp"
@@ -23,7 +24,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Throws std::invalid_argument if `problem` is null.
   explicit SolverDDP(std::shared_ptr<ShootingProblem> problem) : SolverDDP(std::move(problem), Limits::kIgnored) {}
   SolverDDP(SolverDDP&&);  // moves the solver
   SolverDDP& operator=(SolverDDP&&);
@@ -50,7 +51,8 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// computeValueFunction are for inspection: the backward pass does not call them. Therefore they are final.
   virtual void computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                           const std::shared_ptr<ActionDataAbstract>& data) final;
-  /// Compute Vx, Vxx, or k, K of node t; std::invalid_argument unless computeActionValueFunction was last called for t.
+  /// Compute Vx, Vxx, or k, K of node t. Throw std::invalid_argument unless computeActionValueFunction was last called
+  /// for t.
   virtual void computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model) final;
   virtual void computeGains(std::size_t t) final;
   virtual void increaseRegularization();
@@ -79,25 +81,28 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   void set_judges(bool judges) { judges_ = judges; }
   bool keeps_limits() const { return limits_; }  // whether controls stay within the models' limits
   bool has_stepped() const { return stepped_; }  // whether the last iteration took a step
-  /// Whether the last solve with limits accepted no step from a candidate with gaps, and therefore continued from a
-  /// simulation of the guess's controls. (Crocoddyl ignores limits until the gaps are closed.)
+  /// Returns whether the last solve with limits accepted no step from a candidate with gaps, and therefore continued
+  /// from a simulation of the guess's controls. Directions from a candidate with gaps ignore the limits, as in
+  /// Crocoddyl.
   bool has_rolled_out() const { return rolled_out_; }
-  /// The expected reduction of the cost by a full step along the direction, for a candidate without gaps.
+  /// Returns the expected reduction of the cost by a full step along the direction, for a candidate without gaps.
   double expectedReduction() const;
-  /// The search directions: one for the whole problem, or one per subproblem in SolverSparse.
+  /// Returns the search directions: one for the whole problem, or one per subproblem in SolverSparse.
   const std::vector<std::unique_ptr<Direction>>& directions() const { return directions_; }
 
-  /// The size of the cost, initially 1. Thresholds and limits of the regularisation (th_stop, th_grad, th_kkt, reg_min,
-  /// reg_max) are multiplied by it, so that a common factor of all weights does not change the motion.
+  /// Returns the size of the cost, initially 1. Thresholds and limits of the regularisation (th_stop, th_grad, th_kkt,
+  /// reg_min, reg_max) are multiplied by this size, so that a common factor of all weights does not change the motion.
   double get_scale() const { return scale_; }
   void set_scale(double scale);  // above 0, or std::invalid_argument is thrown
-  /// Whether a solve computes the scale from the Hessians at its guess (1 for costs of ordinary size). Initially false:
-  /// regularisations are then Crocoddyl's for costs of any size, and only th_kkt is multiplied by get_kkt_scale().
+  /// Returns whether a solve computes the scale from the Hessians at its guess (1 for costs of ordinary size).
+  /// Initially false: regularisations are then Crocoddyl's for costs of any size, and only th_kkt is multiplied by
+  /// get_kkt_scale().
   bool get_measures_scale() const { return measures_scale_; }
   void set_measures_scale(bool measures_scale) { measures_scale_ = measures_scale; }
-  /// The unit of the cost's gradients in KKT residuals: the value of set_scale, or a value that a solve measures. The
-  /// measured value is the geometric mean of the smallest Hessian of controls, at any node, and the largest Hessian.
-  /// It is proportional to the cost, so that a common factor of all weights does not change whether a solve converges.
+  /// Returns the unit of the cost's gradients in KKT residuals: the value of set_scale, or a value that a solve
+  /// measures. The measured value is the geometric mean of the smallest Hessian of controls, at any node, and the
+  /// largest Hessian. It is proportional to the cost, so that a common factor of all weights does not change whether a
+  /// solve converges.
   double get_kkt_scale() const { return kkt_scale_; }
 
   double get_reg_incfactor() const { return reg_incfactor_; }        // factor of increases of the regularisation
@@ -109,11 +114,14 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   double get_th_stepinc() const { return th_stepinc_; }  // the regularisation increases below this step length
   double get_th_grad() const { return th_grad_; }        // threshold of the gradient, below which a step is accepted
   double get_th_kkt() const { return th_kkt_; }          // threshold of the KKT residual
-  /// The candidate's KKT residual [get_kkt_scale()], computed with least_squares_multipliers; NaN if not computed.
+  /// Returns the candidate's KKT residual [get_kkt_scale()], computed with least_squares_multipliers; NaN if not
+  /// computed.
   double get_kkt_residual() const { return kkt_; }
-  /// The number of steps after th_stop was met, until the KKT residual was below th_kkt, without calls of callbacks.
+  /// Returns the number of steps after th_stop was met, until the KKT residual was below th_kkt, without calls of
+  /// callbacks.
   std::size_t get_polishing_iter() const { return polishing_; }
-  /// Results of the backward pass: T + 1 matrices Vxx. With several subproblems, directions() has all but Vx and k.
+  /// Returns the T + 1 matrices Vxx of the backward pass. With several subproblems, directions() has all results except
+  /// Vx and k.
   const std::vector<Eigen::MatrixXd>& get_Vxx() const;
   const std::vector<Eigen::MatrixXd>& get_Qxx() const;  // T Hessians of the action value, ndx x ndx
   const std::vector<Eigen::MatrixXd>& get_Qxu() const;  // T Hessians of the action value, ndx x nu
@@ -142,16 +150,16 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
  protected:
   /// Whether control limits are used.
   enum class Limits { kIgnored, kKept };
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Throws std::invalid_argument if `problem` is null.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits);
-  /// The constructor for derived solvers that create the directions themselves.
+  /// Makes a solver without directions, for derived classes that create the directions themselves.
   SolverDDP(std::shared_ptr<ShootingProblem> problem, Limits limits, WithoutMatrices);
   /// Initialises the candidate and the regularisation.
   void start(const Vectors& init_xs, const Vectors& init_us, bool is_feasible, double init_reg);
   /// Prepares the expected improvement; called after a new direction was computed, before steps are tried.
   virtual void prepareImprovement() { d_ = Eigen::Vector2d(expectedImprovement()); }
   virtual void updateImprovement() {}  // updates the expected improvement after each tried step
-  /// Whether the tried step is accepted, from the actual and the expected reduction of the cost, dV and dVexp.
+  /// Returns whether the tried step is accepted, from the actual and the expected reduction of the cost, dV and dVexp.
   virtual bool accepts() const;
   virtual bool closesGaps() const { return true; }  // whether an accepted step closes all gaps
   bool findDirection(bool recalc);  // computes a direction; increases the regularisation until this succeeds
@@ -161,7 +169,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
                      std::size_t maxiter);              // Crocoddyl's iterations from number `first` on, and polish
   StopReason polish(std::size_t maxiter);               // continues until the KKT residual is below th_kkt
   StopReason descendWithinLimits(std::size_t maxiter);  // continues with `descend`, within control limits
-  bool isOptimalWithinLimits();                         // whether the projected gradient promises no gain
+  bool isOptimalWithinLimits();                         // whether the projected gradient predicts no reduction
   bool stopsUnregularised();      // whether the stopping value is also small at the least regularisation
   StopReason judgeWithoutStep();  // decides the result after no step was accepted
   /// Calls work(direction) for every subproblem, in parallel.
@@ -170,7 +178,7 @@ class SolverDDP : public SolverAbstract {  // Differential dynamic programming.
   /// Computes xs_try, us_try and cost_try. keep_gaps, keep_terminal_gap: the gaps of the running nodes, or that of the
   /// terminal node, are multiplied by 1 - steplength; otherwise they are closed.
   void rollOut(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// The sum of (dg, dq) of Direction::improvement over the directions; `gaps`: with the contributions of gaps.
+  /// Returns the sum of (dg, dq) of Direction::improvement over the directions; `gaps`: with the contributions of gaps.
   Eigen::Vector2d improvement(bool gaps);
   void setFeedForward(const Vectors& nu);  // sets k = -nu for the next forward passes of `descend`
   /// Computes the gradient g of `descend` at us_try. g is zero for controls at a limit that a step would exceed.

@@ -1,6 +1,6 @@
 #pragma once
-// Linear dynamics qdd = Aq q + Av v + B w + f on x = [q; v] of a vector space, with the cost and constraints of
-// ActionModelLQR (lqr.hpp) in x and w. Interface: Crocoddyl's DifferentialActionModelLQR.
+// Linear dynamics qdd = Aq q + Av v + B w + f for states x = [q; v] in a vector space, with the cost and constraints of
+// ActionModelLQR (lqr.hpp) in x and w. The interface is that of Crocoddyl's DifferentialActionModelLQR.
 
 #include "manycontact/control/lqr.hpp"
 

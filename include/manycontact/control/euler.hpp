@@ -3,8 +3,9 @@
 //
 //     x' = x (+) [h v + h^2 a; h a].
 //
-// Crocoddyl's IntegratedActionModelEuler. The data have no matrices if the differential model has storage kPanel, no
-// constraints, and controls that are constant over a step (PolyZero). Solvers then read the differential model's data.
+// The class corresponds to Crocoddyl's IntegratedActionModelEuler. The data have no matrices if the differential model
+// has storage kPanel, no constraints, and controls that are constant over a step (PolyZero). Solvers then read the
+// differential model's data.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -26,7 +27,8 @@ class IntegratedActionModelEuler
 };
 
 struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of IntegratedActionModelEuler.
-  /// Storage kPanel: throws std::invalid_argument for constraints, controls that vary in a step, user-defined states.
+  /// Throws std::invalid_argument with storage kPanel for constraints, controls that vary in a step, or user-defined
+  /// states.
   explicit IntegratedActionDataEuler(IntegratedActionModelEuler* model);
 
   IntegratorStage stage(std::size_t) const override { return {differential, control}; }
@@ -44,8 +46,9 @@ struct IntegratedActionDataEuler : IntegratedActionDataAbstract {  // Data of In
   Eigen::MatrixXd da_du;  // nv x nu: set by calcDiff
   Eigen::MatrixXd Lwu;    // nw x nu: set by calcDiff
 
-  /// J1, J2: derivatives of q (+) dq by q and dq, set by calcDiff; identities except for floating and planar joints.
-  /// The upper half of Fx is J1 [I 0] + h J2 [A B], where [A B] = dv'/dx is the lower half; that of Fu is h J2 dv'/du.
+  /// The derivatives J1, J2 of q (+) dq with respect to q and dq, for joints where they are not identities: floating
+  /// and planar ones. Set by calcDiff. The upper half of Fx is J1 [I 0] + h J2 [A B], where [A B] = dv'/dx is the lower
+  /// half; that of Fu is h J2 dv'/du.
   struct WideJoint {
     int first = 0, size = 0;   // coordinates in v
     Mat6<double> of_x, of_dx;  // J1, J2: size x size

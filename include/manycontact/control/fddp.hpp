@@ -1,6 +1,7 @@
 #pragma once
 // Feasibility-driven DDP: a step of length s < 1 leaves (1 - s) of the candidate's gaps, and may increase the cost
-// until the gaps are closed. Interface, algorithm, defaults: Crocoddyl 3.0's SolverFDDP (Mastalli et al., ICRA 2020).
+// until the gaps are closed. Interface, algorithm and defaults are those of Crocoddyl 3.0's SolverFDDP (Mastalli et
+// al., ICRA 2020).
 
 #include "manycontact/control/ddp.hpp"
 
@@ -14,7 +15,7 @@ class SolverFDDP : public SolverDDP {  // DDP that accepts any initial guess: th
   /// Computes the terms of the expected improvement that do not depend on the step.
   void updateExpectedImprovement();
   void forwardPass(double steplength) override;
-  /// A step from a candidate with gaps may increase the cost by up to this multiple of the expected increase.
+  /// Returns the multiple of the expected increase by which a step from a candidate with gaps may increase the cost.
   double get_th_acceptnegstep() const { return th_acceptnegstep_; }
   /// Sets by which multiple of the expected increase a step from a candidate with gaps may increase the cost. Throws
   /// std::invalid_argument if the multiple is negative.

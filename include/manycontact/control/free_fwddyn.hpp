@@ -4,7 +4,7 @@
 
 namespace manycontact {
 
-/// Forward dynamics without contacts. Crocoddyl's DifferentialActionModelFreeFwdDynamics.
+/// Forward dynamics without contacts, as in Crocoddyl's DifferentialActionModelFreeFwdDynamics.
 class DifferentialActionModelFreeFwdDynamics : public DifferentialActionModelContactFwdDynamics {
  public:
   /// Throws std::invalid_argument if the parts do not belong together.

@@ -10,7 +10,8 @@
 //     [ M  J^T     ] [    w    ]   [ (1 + e) M v ]
 //     [ J  -delta I] [ -Lambda ] = [      0      ]
 //
-// those of contact forward dynamics at rest, without gravity, and are solved as such, also with redundant impulses.
+// These are the equations of contact forward dynamics at rest, without gravity. They are solved as such, also with
+// redundant impulses.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/action/impulse.hpp"
@@ -59,15 +60,15 @@ class ActionModelImpulseFwdDynamics
   const std::shared_ptr<ConstraintModelManager>& get_constraints() const { return constraints_; }  // may be null
   const Multibody& get_pinocchio() const { return *multibody_->get_model(); }  // the robots; Crocoddyl's name
   const Multibody& get_model() const { return *multibody_->get_model(); }      // the robots
-  /// The armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, also in existing data.
+  /// Returns the armature (nv) [kg m^2, kg]. It replaces the armature of the robots' models, also in existing data.
   const Eigen::VectorXd& get_armature() const { return dynamics_->get_armature(); }
   void set_armature(const Eigen::VectorXd& armature);              // throws std::invalid_argument for a wrong size
   double get_restitution_coefficient() const { return r_coeff_; }  // the coefficient e
   void set_restitution_coefficient(double r_coeff);                // not negative, or std::invalid_argument is thrown
   double get_damping_factor() const { return dynamics_->get_damping_factor(); }  // JMinvJt_damping [1/kg]
-  /// damping: not negative, or std::invalid_argument is thrown.
+  /// Sets JMinvJt_damping [1/kg]. Throws std::invalid_argument for a negative number.
   void set_damping_factor(double damping) { dynamics_->set_damping_factor(damping); }
-  /// Method and order of the solves, for data created afterwards.
+  /// Returns the options of the solves, such as method and order, for data created afterwards.
   const Options& get_options() const { return dynamics_->get_options(); }
   void set_options(const Options& options) { dynamics_->set_options(options); }  // for data created afterwards
 

@@ -27,8 +27,9 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
   using DifferentialActionModelAbstract = manycontact::DifferentialActionModelAbstract;
   using ControlParametrizationModelAbstract = manycontact::ControlParametrizationModelAbstract;
 
-  /// time_step in s. with_cost_residual: data->r contains the costs' residuals. Throws std::invalid_argument if the
-  /// step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is not the model's nu.
+  /// time_step: step in s. with_cost_residual: whether data->r contains the residuals of the costs. Throws
+  /// std::invalid_argument if the step is negative or not finite (Crocoddyl uses 1e-3 then), and if the control's nw is
+  /// not the model's nu.
   IntegratedActionModelAbstract(std::shared_ptr<DifferentialActionModelAbstract> model,
                                 std::shared_ptr<ControlParametrizationModelAbstract> control, double time_step = 1e-3,
                                 bool with_cost_residual = true);
@@ -37,9 +38,9 @@ class IntegratedActionModelAbstract : public ActionModelAbstract {  // A differe
 
   void set_g_lb(const Eigen::VectorXd& g_lb) override { differential_->set_g_lb(g_lb); }
   void set_g_ub(const Eigen::VectorXd& g_ub) override { differential_->set_g_ub(g_ub); }
-  /// The model in continuous time.
+  /// Returns the model in continuous time.
   const std::shared_ptr<DifferentialActionModelAbstract>& get_differential() const { return differential_; }
-  /// The parametrization of the controls.
+  /// Returns the parametrization of the controls.
   const std::shared_ptr<ControlParametrizationModelAbstract>& get_control() const { return control_; }
   double get_dt() const { return time_step_; }  // the step [s]
   void set_dt(double dt);                       // throws std::invalid_argument if it is negative or not finite [s]

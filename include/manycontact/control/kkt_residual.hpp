@@ -4,8 +4,9 @@
 
 namespace manycontact {
 
-/// Computes the largest violation of the optimality conditions at states x_t and controls u_t. Multipliers: l_0 ... l_T
-/// of the dynamics, y_0 ... y_T of the constraints c = [g; h], lo <= c <= hi (0 for h). P projects onto [lo, hi].
+/// Computes the largest violation of the optimality conditions at states x_t and controls u_t. The multipliers of the
+/// dynamics are l_0 ... l_T. Those of the constraints c = [g; h], lo <= c <= hi (0 for h), are y_0 ... y_T. P projects
+/// onto [lo, hi].
 ///
 ///     gaps               x0 (-) x_0,  f_t(x_t, u_t) (-) x_(t+1)
 ///     stationarity in x  lx_t + fx_t^T l_(t+1) + cx_t^T y_t - l_t,  lx_T + cx_T^T y_T - l_T

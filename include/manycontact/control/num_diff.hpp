@@ -8,7 +8,7 @@ namespace manycontact {
 /// A node in discrete time with derivatives by central differences (action/num_diff.hpp).
 class ActionModelNumDiff : public NodeNumDiff<ActionModelAbstract, ActionDataAbstract> {
  public:
-  /// with_gauss_approx: Hessians are Rx^T Rx, ..., which is right for costs 1/2 |r|^2; otherwise second differences.
+  /// with_gauss_approx: whether Hessians are Rx^T Rx, ..., as suits costs 1/2 |r|^2, instead of second differences.
   explicit ActionModelNumDiff(std::shared_ptr<ActionModelAbstract> model, bool with_gauss_approx = false);
   std::shared_ptr<ActionDataAbstract> createData() override;
   void set_disturbance(double disturbance);  // throws std::invalid_argument unless it is positive

@@ -8,7 +8,8 @@
 //     three: c = 0, 1/3, 2/3       b = 1/4, 0, 3/4
 //     four:  c = 0, 1/2, 1/2, 1    b = 1/6, 1/3, 1/3, 1/6
 //
-// Interface: Crocoddyl's IntegratedActionModelRK. Hessians are Gauss-Newton's, without second derivatives of y_i.
+// The interface is that of Crocoddyl's IntegratedActionModelRK. Hessians are those of Gauss-Newton, without second
+// derivatives of y_i.
 
 #include "manycontact/control/integrated_action.hpp"
 
@@ -55,7 +56,8 @@ struct IntegratedActionDataRK : IntegratedActionDataAbstract {      // Data of I
   std::vector<Eigen::MatrixXd> dki_dx, dki_du;  // ndx x ndx, ndx x nu: set by calcDiff
   std::vector<Eigen::MatrixXd> dyi_dx, dyi_du;  // ndx x ndx, ndx x nu: set by calcDiff
 
-  // Workspace of calcDiff for one stage: l_xx y_x; l_xx y_u + l_xw w_u; l_ww w_u; w_u^T l_ww w_u; w_u^T l_w.
+  // Workspace of calcDiff for one stage, in the order of the members: l_xx y_x, l_xx y_u + l_xw w_u, l_ww w_u, w_u^T
+  // l_ww w_u, and w_u^T l_w. Indices denote derivatives.
   Eigen::MatrixXd Lxx_dx, Lxu_i, Lwu, Luu_i;
   Eigen::VectorXd Lu_i;
 };

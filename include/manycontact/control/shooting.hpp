@@ -3,7 +3,8 @@
 //
 //     minimise  sum_t l_t(x_t, u_t) + l_T(x_T)    with  x_0 given,  x_(t+1) = f_t(x_t, u_t).
 //
-// Interface: Crocoddyl's ShootingProblem. Several threads evaluate nodes; results do not depend on their number.
+// The interface is that of Crocoddyl's ShootingProblem. Several threads evaluate the nodes. Results do not depend on
+// the number of threads.
 
 #include <iosfwd>
 #include <limits>
@@ -68,13 +69,14 @@ class ShootingProblem {
   const Models& get_runningModels() const { return running_models_; }    // the running nodes
   const ModelPtr& get_terminalModel() const { return terminal_model_; }  // the terminal node
   const Datas& get_runningDatas() const { return running_datas_; }       // data of the running nodes
-  /// Data of the terminal node.
+  /// Returns the data of the terminal node.
   const DataPtr& get_terminalData() const { return terminal_data_; }
-  /// Node t <= T, where T is the terminal node.
+  /// Returns the model of node t <= T, where T is the terminal node.
   const ModelPtr& model(std::size_t t) const { return t < get_T() ? running_models_[t] : terminal_model_; }
-  /// Data of node t.
+  /// Returns the data of node t.
   const DataPtr& data(std::size_t t) const { return t < get_T() ? running_datas_[t] : terminal_data_; }
-  /// Whether node t is the terminal node, whose calc has no u. (Running nodes without controls have an empty u.)
+  /// Returns whether node t is the terminal node, whose calc has no u. (Running nodes without controls have an empty
+  /// u.)
   bool by_state_alone(std::size_t t) const { return t == get_T(); }
   std::size_t get_nx() const { return nx_; }              // size of a state
   std::size_t get_ndx() const { return ndx_; }            // size of a tangent vector
@@ -87,7 +89,7 @@ class ShootingProblem {
   /// Sets the number of threads. Initially, and for nthreads < 1, it is OpenMP's number, or 1 without OpenMP. If the
   /// nodes together take less than about 50 us per thread, one thread evaluates all nodes.
   void set_nthreads(int nthreads);
-  /// Whether nodes were replaced since the last call of this function.
+  /// Returns whether nodes were replaced since the last call of this function.
   bool is_updated() { return std::exchange(is_updated_, false); }
 
  private:

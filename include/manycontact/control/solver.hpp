@@ -36,7 +36,7 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
  public:
   using Vectors = std::vector<Eigen::VectorXd>;
 
-  /// problem: not null, or std::invalid_argument is thrown.
+  /// Throws std::invalid_argument if `problem` is null.
   explicit SolverAbstract(std::shared_ptr<ShootingProblem> problem);
   virtual ~SolverAbstract() = default;
 
@@ -47,7 +47,8 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   /// get_xs() and get_us() return the result until the next solve.
   virtual bool solve(const Vectors& init_xs = DEFAULT_VECTOR, const Vectors& init_us = DEFAULT_VECTOR,
                      std::size_t maxiter = 100, bool is_feasible = false, double init_reg = NAN) = 0;
-  /// Solves the linear-quadratic problem around the candidate; `recalc`: computes the candidate's derivatives first.
+  /// Computes the search direction: solves the linear-quadratic problem around the candidate. recalc: whether the
+  /// candidate's derivatives are computed first.
   virtual void computeDirection(bool recalc) = 0;
   /// Tries a step along the direction; returns the reduction of the cost, or NaN if numbers are not finite there.
   virtual double tryStep(double steplength = 1) = 0;
@@ -62,11 +63,12 @@ class SolverAbstract {  // The common base of solvers. Use one per thread.
   double computeEqualityFeasibility();
   void setCandidate(const Vectors& xs_warm = DEFAULT_VECTOR, const Vectors& us_warm = DEFAULT_VECTOR,
                     bool is_feasible = false);
-  /// The functions that are called after each iteration. A list that a callback sets is used from the next iteration.
+  /// The functions that are called after each iteration. If a callback sets another list, that list is used from the
+  /// next iteration.
   using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
   void setCallbacks(const Callbacks& callbacks);
   const Callbacks& getCallbacks() const { return *callbacks_; }
-  /// Ends solve() after the current iteration; for callbacks.
+  /// Ends solve() after the current iteration. A callback may call it.
   void interrupt() { interrupted_ = true; }
   StopReason reason() const { return reason_; }
 
@@ -144,7 +146,7 @@ class CallbackAbstract {  // A function that is called after each iteration.
   virtual void operator()(SolverAbstract& solver) = 0;  // called with the solver after each iteration
 };
 
-/// Whether a number is not finite, or at least 1e30.
+/// Returns whether a number is not finite, or at least 1e30.
 bool raiseIfNaN(double value);
 
 }  // namespace manycontact

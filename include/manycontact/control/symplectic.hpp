@@ -9,7 +9,8 @@
 // step omits the bias J' v: J(q) v+ = (1 - beta h) J(q) v - alpha h e. The next state equals the first `step` of a
 // SimulationData that starts at x. Later steps of a simulation differ, because they use J v at the previous q.
 //
-// The cost is h times that of the differential model. Cost and constraints use the differential model's a, f at x, u.
+// The cost is h times that of the differential model. Cost and constraints use the accelerations and forces of the
+// differential model at x, u.
 
 #include "manycontact/control/integrated_action.hpp"
 

@@ -20,7 +20,7 @@ class ActionModelUnicycle : public NodeWithData<ActionModelUnicycle, ActionModel
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   void print(std::ostream& os) const override { os << kName << " {dt=" << dt_ << "}"; }
 
-  /// The weights wx, wu; initially 10, 1.
+  /// Returns the weights wx, wu; initially 10, 1.
   const Eigen::Vector2d& get_cost_weights() const { return weights_; }
   void set_cost_weights(const Eigen::Vector2d& weights) { weights_ = weights; }
   double get_dt() const { return dt_; }  // initially 0.1 s

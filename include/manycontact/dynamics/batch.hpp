@@ -36,7 +36,7 @@ struct Failure;
 /// under the conditions stated at `solve` and `differentiate`. A BatchData belongs to the scene it was made for. Only
 /// one batch function may use it at a time.
 struct BatchData {
-  /// threads: 0 takes OpenMP's number of threads, or one if the library was built without OpenMP. Throws
+  /// threads: number of threads. 0 takes OpenMP's number, or one if the library was built without OpenMP. Throws
   /// std::invalid_argument if a number of threads is negative or above kMostThreads.
   explicit BatchData(const Scene& scene, int threads = 0, const Options& options = {});
 
@@ -53,10 +53,10 @@ struct BatchData {
   std::shared_ptr<std::vector<internal::Failure>> failures;  // workspace: one exception per thread
 };
 
-/// The number of constraint rows of the active contacts, which is the number of columns of F.
+/// Returns the number of constraint rows of the active contacts, which is the number of columns of F.
 int force_rows(const Scene& scene, const BatchData& batch);
 
-// If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed; they
+// If an island fails, all functions below set the island's results to NaN, and the status of its state to kFailed. They
 // solve the other states nevertheless. `status` has one entry per state. Batches with data of their own may run in
 // several threads at the same time.
 
@@ -79,8 +79,8 @@ void differentiate_batch(const Scene& scene, const BatchStates& states, BatchDat
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, std::span<Status> status);
 
-/// Computes the same products, and WW, the product with respect to the external wrenches: 6 columns per wrench, in the
-/// wrench's own axes (`ExternalWrench::reference_frame`).
+/// Computes the products of the first overload, and WW, the product with respect to the external wrenches: 6 columns
+/// per wrench, in the wrench's own axes (`ExternalWrench::reference_frame`).
 void vjp_batch(const Scene& scene, const BatchStates& states, const ConstBatchRows& WA, const ConstBatchRows& WF,
                BatchData& batch, BatchRows WQ, BatchRows WV, BatchRows WU, BatchRows WW, std::span<Status> status);
 

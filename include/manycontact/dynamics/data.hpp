@@ -10,9 +10,9 @@
 // - everything of external wrenches and springs except their bodies.
 //
 // The following may not change: robots and their models, the number of contacts, the type, A, axis and body of B of a
-// contact, and the bodies of external wrenches and springs. If they did, every function that takes the scene and the
-// data throws std::invalid_argument, and a new SceneData is needed. (Exception: a copy of the scene without any
-// external wrenches and springs may be solved with the data of the scene.)
+// contact, and the bodies of external wrenches and springs. After such a change every function that takes the scene and
+// the data throws std::invalid_argument, and a new SceneData is needed. There is one exception: a copy of the scene
+// without any external wrenches and springs may be solved with the data of the scene.
 
 #include <cstdint>
 #include <memory>
@@ -50,16 +50,17 @@ struct SceneData : Solution {                                           // The v
   std::unique_ptr<Workspace> workspace;
 };
 
-/// Finds the islands (robots coupled by active contacts) for data.active and sets up their systems, unless this was
-/// done already. `solve` calls `prepare`. Sets of contacts that occurred before are not analysed again, and only
-/// islands whose contacts were switched change. Throws std::invalid_argument if the data belong to another scene, or if
-/// `active` has a wrong size. Thread-safe for distinct data. The cost is a symbolic factorization for each new island.
+/// Finds the islands (robots coupled by springs and by the contacts flagged in data.active) and sets up their systems,
+/// unless this was done already. `solve` calls `prepare`. Sets of contacts that occurred before are not analysed again,
+/// and only islands whose contacts were switched change. Throws std::invalid_argument if the data belong to another
+/// scene, or if `active` has a wrong size. Thread-safe for distinct data. The cost is a symbolic factorization for each
+/// new island.
 void prepare(const Scene& scene, SceneData& data);
 
-/// The names of the rows of f: "left[0]", ... Call it after prepare or solve.
+/// Returns the names of the rows of f: "left[0]", ... Call it after prepare or solve.
 std::vector<std::string> force_names(const Scene& scene, const SceneData& data);
 
-/// The force of a contact, given by name or number: the contact's rows of f, exerted on A and expressed in the
+/// Return the force of a contact, given by name or number: the contact's rows of f, exerted on A and expressed in the
 /// contact's reference frame [N, N m]. The view remains valid until the next call with the data. Throws
 /// std::invalid_argument for a contact that does not exist, and suggests the nearest name. Throws std::logic_error if
 /// the contact is not active, or before the first solve.

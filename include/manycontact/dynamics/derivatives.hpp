@@ -1,5 +1,5 @@
 #pragma once
-// Derivatives of accelerations and contact forces, as blocks per island (robots coupled by contacts).
+// Derivatives of accelerations and contact forces, as blocks per island (robots coupled by contacts or springs).
 
 #include <cstdint>
 #include <vector>
@@ -22,7 +22,7 @@ struct DerivativeRequest {
 struct Stamp {
   const std::uint64_t* now = nullptr;  // number of the current solution of the data
   std::uint64_t serial = 0;            // number of the solution at which derivatives were computed
-  /// Whether no later solve has replaced the solution.
+  /// Returns whether no later solve has replaced the solution.
   bool current() const { return now && serial != 0 && *now == serial; }
 };
 

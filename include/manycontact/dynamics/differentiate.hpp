@@ -12,10 +12,10 @@ namespace manycontact {
 ///     K [ da ; -df ] = -[ dr1 ; dr2 ],   r1 = ID(q, v, a, f) - tau,   r2 = J a + a0 + delta f.
 ///
 /// ID is inverse dynamics. In dr1, f is constant in each contact's own frame. The torque tau(q, v, u, w) is the sum of
-/// motors, joint friction, external wrenches and springs. If contacts are redundant, dforces_* are the derivatives of
-/// the least-norm forces, if the rank is locally constant. If contacts are inconsistent, da_* are the derivatives of
-/// the least-squares accelerations. Blocks are NaN for failed islands, and for islands whose derivatives could not be
-/// computed accurately.
+/// motors, joint friction, external wrenches and springs. If contacts are redundant and the rank of J is locally
+/// constant, dforces_* are the derivatives of the least-norm forces. If contacts are inconsistent, da_* are the
+/// derivatives of the least-squares accelerations. Blocks are NaN for failed islands, and for islands whose derivatives
+/// could not be computed accurately.
 ///
 /// Sizes per island: nv rows (a) or nc rows (f); nv columns (q, v), nu columns (u), 6 columns per external wrench (w).
 /// The views in the result remain valid until the next solve. Memory: (nv + nc)(2 nv + nu) numbers per island. Cost:
@@ -23,8 +23,8 @@ namespace manycontact {
 /// methods, a call does not allocate if the request and the active contacts are those of an earlier call, unless a
 /// state needs a fallback. Thread-safe for distinct data.
 ///
-/// Throws std::logic_error before the first solve and if contacts were switched after it. Throws std::invalid_argument
-/// if the data belong to another scene.
+/// Throws std::logic_error before the first solve, and if contacts were switched after the last solve. Throws
+/// std::invalid_argument if the data belong to another scene.
 // clang-format on
 const DerivativeData& differentiate(const Scene& scene, SceneData& data, const DerivativeRequest& request = {});
 
@@ -56,12 +56,13 @@ struct DerivativeBounds {
 ///     |error| <= |K^-1| (|residual| + c eps (|terms of dr| + |K| |[da; -df]|) + e |terms of dr/dq|),
 ///
 /// where c eps is a relative rounding error and e the relative error of a and f, in the maximum norm and to first
-/// order. If rows are dependent, the bound also includes |K^+ K^+| times the uncertainty of the rows' inconsistency. It
-/// is infinite for failed islands and for deep trees whose K is too large. Throws std::logic_error unless differentiate
-/// was called after the last solve.
+/// order. If rows are dependent, the bound also includes |K^+ K^+| times the uncertainty of the rows' inconsistency,
+/// with K^+ the generalised inverse of K. The bound is infinite for failed islands and for deep trees whose K is too
+/// large. Throws std::logic_error unless differentiate was called after the last solve.
 [[nodiscard]] std::vector<DerivativeBounds> estimate_derivative_errors(const Scene& scene, SceneData& data);
 
-/// Returns the result of the last `differentiate`. The reference remains valid as long as the data.
+/// Returns the result of the last `differentiate`. The reference remains valid as long as the data. Throws
+/// std::logic_error if the data have no derivatives of their current solution.
 const DerivativeData& derivatives(const SceneData& data);
 /// Frees the memory of the derivatives, except the workspace of the threads. The next `differentiate` allocates again.
 void release_derivatives(SceneData& data);

@@ -10,7 +10,7 @@ namespace manycontact {
 /// scene.nv entries, du has scene.nu, df has data.f.size(). The cost is 0.7 to 3 times that of a solve. The results are
 /// NaN for failed islands, and for deep trees for which the factor of the whole tree is not accurate. Throws
 /// std::invalid_argument for a wrong size or data of another scene. Throws std::logic_error before a solve, and if
-/// contacts were switched after it. Thread-safe for distinct data.
+/// contacts were switched after the last solve. Thread-safe for distinct data.
 void jvp(const Scene& scene, SceneData& data, const ConstVectorRef& dq, const ConstVectorRef& dv,
          const ConstVectorRef& du, VectorRef da, VectorRef df);
 

@@ -10,9 +10,9 @@ namespace manycontact {
 ///
 ///     [S^T J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0),
 ///
-/// where S selects the actuated joints, J contains the rows of active contacts, and f are contact forces. Gravity
-/// torques are h(q, 0), external wrenches w (`data.wrenches`), and torques of springs tau_s. If no torques keep the
-/// scene at rest, the residual is not zero; see Unbalanced.
+/// where S selects the actuated joints, J contains the rows of active contacts, and f are contact forces. The torques
+/// of gravity are h(q, 0), and those of springs are tau_s. J_F is the Jacobian of the frames of the external wrenches w
+/// (`data.wrenches`). If no torques keep the scene at rest, the residual is not zero; see Unbalanced.
 ///
 /// The result is NaN for islands that cannot be computed. Throws std::invalid_argument if q has a wrong size or `solve`
 /// would refuse it. Throws std::length_error for trees too deep for the joint-space inertia (2^22 terms). The call
@@ -20,8 +20,9 @@ namespace manycontact {
 /// Source: Crocoddyl, DifferentialActionModelContactFwdDynamics::quasiStatic.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, SceneData& data);
 
-/// Computes controls u of torques tau0 + B u: [B J^T] [u; f] = h(q, 0) - J_F^T w - tau_s(q, 0) - tau0. Here tau0 has
-/// scene.nv entries, and B has scene.nv rows and one column per control. Throws as the first overload does.
+/// Computes controls u whose torques tau0 + B u keep the scene at rest, from [B J^T] [u; f] = h(q, 0) - J_F^T w -
+/// tau_s(q, 0) - tau0. Here tau0 has scene.nv entries, and B has scene.nv rows and one column per control. Throws as
+/// the first overload does.
 Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& tau0,
                              const Eigen::SparseMatrix<double>& B, SceneData& data);
 

@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// An estimate that was not computed.
+/// The value of an estimate that was not computed: NaN.
 inline constexpr double kNotEstimated = std::numeric_limits<double>::quiet_NaN();
 
 /// Times of a solve [us]. They are measured and differ from call to call; comparisons of reports ignore them.
@@ -19,12 +19,12 @@ struct SolveTimes {
   double solve = 0;  // kinematics, bias, assembly, factorization, solution, refinement and residuals
 };
 
-/// Ordered from good to bad. The status of a scene is that of its worst island.
+/// The quality of a solution, from best to worst. The status of a scene is the status of its worst island.
 enum class Status {
   kOk,
   kRedundant,     // contacts are redundant and consistent: accelerations are exact, forces have least norm
   kInconsistent,  // contacts are inconsistent: the accelerations are the least-squares solution
-  kRegularised,   // the solution solves a slightly different problem, e.g. without damping that rounding lost
+  kRegularised,   // the solution solves a slightly different problem, e.g. without a damping below rounding errors
   kFailed,        // there is no solution: accelerations and forces are NaN
 };
 std::string to_string(Status status);  // "ok", "redundant", ...
@@ -42,35 +42,38 @@ struct IslandReport {  // Status and accuracy of the solution of one island.
                                     // ascending
   int factor_nonzeros = 0;          // nonzeros of the factors, diagonals included
   int refinement_steps = 0;
+  // Residuals of the equations M a - J^T f = tau_b and J a + a0 + delta f = 0, relative to the terms of the equations.
   double residual_dynamics = 0;  // max |M a - J^T f - tau_b| / max (|M||a| + |J^T||f| + |tau_b|)
   double residual_contact = 0;   // max |J a + a0 + delta f| / max (|J||a| + |a0| + delta |f|, |gravity|)
   double contact_terms = 0;      // max (|J||a| + |a0| + delta |f|): the scale in the test for inconsistency
   double backward_error = 0;     // max |r_k| / (|b| + |K||x|)_k, r = b - K x: the relative change of K and b with which
-                                 // the solution is exact. After a fallback, rows of mere rounding errors are divided by
-                                 // the terms they were computed from
+                                 // the solution is exact. After a fallback, rows that contain only rounding errors are
+                                 // divided by the terms from which they were computed
   double condition = kNotEstimated;  // 1-norm condition number of K, set by estimate_condition; until then NaN
   /// Bounds of the largest errors of a and of f, relative to the largest a and f, set by estimate_errors; until then
-  /// NaN. If a bound is above 1, no digit is certain: a and f may be rounding errors, as the accelerations of a scene
-  /// at rest, or they solve a slightly different problem (Reason::kUncertain).
+  /// NaN. If a bound is above 1, no digit is certain. Either a and f are rounding errors, such as the accelerations of
+  /// a scene at rest, or they solve a slightly different problem (Reason::kUncertain).
   double error_acceleration = kNotEstimated, error_forces = kNotEstimated;
 };
 
-/// How well the linear system K x = b of an island is solved, and how hard it is to solve. K has one row per contact
-/// row that the solver keeps (at most six between two bodies), in the solver's units. All numbers are NaN for failed
-/// islands and for deep trees whose K is too large.
+/// Measures of the accuracy of the solution x of the linear system K x = b of an island, and of the conditioning of K.
+/// K has one row per contact row that the solver keeps (at most six between two bodies), in the solver's units. All
+/// numbers are NaN for failed islands and for deep trees whose K is too large.
 struct SystemQuality {
-  /// max_k |r_k| / (|K| |x| + |b|)_k, r = b - K x: the smallest relative change of K's and b's entries with which x is
-  /// exact (Oettli, Prager, Numer. Math. 6, 1964). Divisors are at least eps times the largest divisor.
+  /// The backward error max_k |r_k| / (|K| |x| + |b|)_k, r = b - K x: the smallest relative change of K's and b's
+  /// entries with which x is exact (Oettli, Prager, Numer. Math. 6, 1964). Divisors are at least eps times the largest
+  /// divisor.
   double componentwise_backward_error;
-  /// |r| / (|K| |x| + |b|) in the maximum norm: the smallest change of K and b, relative to their norms, that makes x
-  /// exact (Rigal, Gaches, J. ACM 14, 1967).
+  /// The backward error |r| / (|K| |x| + |b|) in the maximum norm: the smallest change of K and b, relative to their
+  /// norms, that makes x exact (Rigal, Gaches, J. ACM 14, 1967).
   double normwise_backward_error;
-  /// The largest term in the sum of a pivot, over the largest diagonal entry of K; 1 for the dense factor.
+  /// The pivot growth: the largest term in the sum of any pivot, divided by the largest diagonal entry of K. It is 1
+  /// for the dense factor.
   double growth;
-  /// |K|_1 |K^-1|_1, estimated; with the generalised inverse K^+ if K is singular.
+  /// The estimated condition number |K|_1 |K^-1|_1, with the generalised inverse K^+ instead of K^-1 if K is singular.
   double condition;
-  /// The condition of D K D, with the diagonal D for which the largest entry of each row is about 1 (Ruiz,
-  /// RAL-TR-2001-034). Units (metres and radians, grams and tonnes) affect the condition of K, not this number.
+  /// The condition number of D K D, with the diagonal matrix D for which the largest entry of each row is about 1
+  /// (Ruiz, RAL-TR-2001-034). Units (metres and radians, grams and tonnes) affect the condition of K, not this number.
   double scaled_condition;
   /// Numbers of positive, negative and zero eigenvalues of K: the numbers of velocity coordinates, of independent
   /// contact rows, and of dependent contact rows. A factor with other signs of pivots is not accepted.
@@ -90,11 +93,11 @@ struct Report {  // Status and accuracy of the solution of the whole scene.
 
   SolveTimes times;
 
-  /// Whether a and f are a solution: the status is kInconsistent (the least-squares solution) or better.
+  /// Returns whether a and f are a solution: the status is kInconsistent (the least-squares solution) or better.
   bool ok() const { return status <= Status::kInconsistent; }
 };
 
-/// Computes the other fields, except `method` and `times`, from report.islands.
+/// Computes all other members of the report, except `method` and `times`, from report.islands.
 void summarise(Report& report);
 
 }  // namespace manycontact

@@ -3,7 +3,7 @@
 
 namespace manycontact {
 
-using ConstVector = ConstVectorRef;  // former name
+using ConstVector = ConstVectorRef;  // the former name of ConstVectorRef
 
 /// Contact forward dynamics: computes the accelerations data.a (nv) and the contact forces data.f of the scene. They
 /// satisfy
@@ -12,7 +12,8 @@ using ConstVector = ConstVectorRef;  // former name
 ///     [ J  -delta I] [ -f ] = [              -a0                  ]
 ///
 /// island by island, with data.options.method. S selects the actuated coordinates, delta is Scene::damping, w are the
-/// external wrenches `data.wrenches` in their frames F, and tau_s are the torques of springs and joint friction.
+/// external wrenches `data.wrenches`, J_F is the Jacobian of their frames, and tau_s are the torques of springs and
+/// joint friction.
 ///
 /// `q`: configuration (scene.nq) [m, rad, unit quaternions]. `v`: velocity (scene.nv) [m/s, rad/s]; that of a floating
 /// base is the spatial velocity in the base's own frame, linear part first. `u`: torques of the actuated coordinates
@@ -27,8 +28,8 @@ using ConstVector = ConstVectorRef;  // former name
 /// separate robots. Thread-safe for distinct `data`; `scene` is only read.
 ///
 /// Throws std::invalid_argument if a size does not fit the scene or the data belong to another scene; the previous
-/// solution is kept. Throws std::bad_alloc, and std::invalid_argument if data.active has a wrong size; there is then no
-/// solution (data.serial is 0), and the next call sets up the islands again.
+/// solution is kept. Throws std::bad_alloc, and std::invalid_argument if data.active has a wrong size. In these two
+/// cases there is no solution (data.serial is 0), and the next call sets up the islands again.
 [[nodiscard]] const Report& solve(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                   const ConstVectorRef& u, SceneData& data);
 
@@ -37,20 +38,21 @@ using ConstVector = ConstVectorRef;  // former name
 [[nodiscard]] const Report& solve_tau(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v,
                                       const ConstVectorRef& tau, SceneData& data);
 
-/// The SIMD instruction sets that are compiled in and supported by this processor, widest first.
+/// Returns the SIMD instruction sets that are compiled in and supported by this processor, widest first.
 std::vector<SimdLevel> available_simd_levels();
 
 /// Estimates the 1-norm condition number of each island's K after a solve, and stores it in the report. The cost is a
 /// few solves with the existing factor (Hager, Higham). If K is singular because rows are dependent, the number is
-/// |K|_1 |K^+|_1, K^+ the generalised inverse. Throws std::logic_error before a solve. Thread-safe for distinct data.
+/// |K|_1 |K^+|_1, with K^+ the generalised inverse. Throws std::logic_error before a solve. Thread-safe for distinct
+/// data.
 void estimate_condition(const Scene& scene, SceneData& data);
 
 /// Bounds the errors of each island's a and f after a solve, in the maximum norm, and stores the bounds in the report.
 /// A copy of the solution is refined with residuals in double-double (Precision::kExtended). The bound is the distance
-/// to the copy plus the copy's uncertainty: the copy's last correction and, except in precision `extended`, the
-/// rounding of the scene's numbers when they were read. The bound is usually less than a thousand times the error. The
-/// cost is about ten solves. The copy may not converge, because rows are dependent only by rounding or because of
-/// Scene::tolerance. The bound is then
+/// to the copy plus the copy's uncertainty. The uncertainty is the copy's last correction and, except in precision
+/// `extended`, the rounding of the scene's numbers when they were read. The bound is usually less than a thousand times
+/// the error. The cost is about ten solves. The copy may not converge, because rows are dependent only by rounding or
+/// because of Scene::tolerance. The bound is then
 ///
 ///     |x - x_true| <= |K^-1| (|r| + c eps (|b| + |K||x| + terms of K and b))
 ///

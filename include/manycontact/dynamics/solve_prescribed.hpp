@@ -1,5 +1,5 @@
 #pragma once
-// Contacts with a prescribed acceleration, for example on a moving support:
+// The equations of contacts whose accelerations are prescribed, for example on a moving support, are
 //
 //     [ M  J^T     ] [  a ]   [ tau - h(q, v) ]
 //     [ J  -delta I] [ -f ] = [  prescribed - a0  ]

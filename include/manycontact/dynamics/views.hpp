@@ -5,7 +5,8 @@
 //
 // SIMD batches (`Options::simd_level`) store only accelerations and forces. Functions with an argument `scene` evaluate
 // the missing terms, at the cost of evaluating one island or of assembling its K. These functions are thread-safe only
-// if the terms exist already. Deep trees, solved by sparse-bodies, have no K, and J and Jl of their contacts are NaN.
+// if the terms exist already. Deep trees, solved by sparse-bodies, have no K, and the members J and Jl of their
+// contact_data are NaN.
 
 #include <Eigen/SparseCore>
 #include <span>
@@ -18,42 +19,43 @@
 
 namespace manycontact {
 
-/// Whether the current islands are those of data.active and data.options.
+/// Returns whether the current islands are those of data.active and data.options.
 bool is_prepared(const SceneData& data);
-/// The number of islands, as in data.report.islands. Call it after prepare or solve.
+/// Returns the number of islands, as in data.report.islands. Call it after prepare or solve.
 std::size_t island_count(const SceneData& data);
-/// The robots and contacts of island i. Call it after prepare or solve.
+/// Returns the robots and contacts of island i. Call it after prepare or solve.
 const Island& solved_island(const SceneData& data, std::size_t i);
-/// The number of the island that contains a robot of the scene.
+/// Returns the number of the island that contains a robot of the scene.
 int island_with_robot(const SceneData& data, int robot);
-/// The method and order chosen for an island when it was set up. Its report contains the method that computed the
-/// solution.
+/// Returns the method and order that were chosen for island i when it was set up. The island's report contains the
+/// method that computed the solution.
 Choice chosen_method(const SceneData& data, std::size_t i);
-/// K = [M J^T; J -delta I] of an island at the last solve: nv + nc rows, both triangles, in the island's order. Here
-/// delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Allocates.
+/// Returns K = [M J^T; J -delta I] of island i at the last solve: nv + nc rows, both triangles, in the island's order.
+/// Here delta is zero if the damping was below the rounding errors of K (Reason::kDampingLost). Allocates.
 Eigen::SparseMatrix<double> kkt_matrix(const Scene& scene, const SceneData& data, std::size_t i);
 
-/// The kinematics of a robot's bodies in the robot's tree frame (detail/algorithm/kinematics.hpp) at the last q, v. The
-/// bodies' accelerations are those for zero joint accelerations.
+/// Returns the kinematics of a robot's bodies in the robot's tree frame (detail/algorithm/kinematics.hpp) at the last
+/// q, v. The bodies' accelerations are those for zero joint accelerations.
 const Kinematics<double>& robot_kinematics(const Scene& scene, const SceneData& data, int robot);
-/// The inertia of each joint's subtree in the tree frame [kg, kg m, kg m^2].
+/// Returns the inertia of each joint's subtree of bodies in the tree frame [kg, kg m, kg m^2].
 std::span<const Inertia<double>> composite_inertias(const Scene& scene, const SceneData& data, int robot);
-/// The packed joint-space inertia (detail/algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
+/// Return the packed joint-space inertia (detail/algorithm/crba.hpp), and the bias torques h (nv) [N m, N] of a robot.
 std::span<const double> joint_space_inertia(const Scene& scene, const SceneData& data, int robot);
 const Eigen::VectorXd& bias_torques(const Scene& scene, const SceneData& data, int robot);
-/// The constraint rows of an active contact: J, a0 and the quantities that they are computed from
+/// Returns the constraint rows of an active contact: J, a0 and the quantities that they are computed from
 /// (detail/contact/rows.hpp).
 const ContactData<double>& contact_data(const Scene& scene, const SceneData& data, int contact);
-/// The velocity coordinates that the contact acts on.
+/// Returns the velocity coordinates that an active contact acts on.
 const ContactSupport& contact_support(const Scene& scene, const SceneData& data, int contact);
-/// The constraint rows of an active contact, evaluated with the accelerations of the solution: their a0 is J a + a0 of
-/// contact_data. contact_derivatives returns the derivatives of these rows. Call both functions after differentiate.
+/// Returns the constraint rows of an active contact, evaluated with the accelerations of the solution. The member a0 of
+/// the result is J a + a0, with J and a0 of contact_data. The function contact_derivatives returns the derivatives of
+/// these rows. Call both functions after differentiate.
 const ContactData<double>& contact_at_solution(const SceneData& data, int contact);
 const ContactDerivatives& contact_derivatives(const SceneData& data, int contact);
 
 /// Computes the placements, velocities and inertias of all robots at q (nq) and v (nv), for robot_kinematics and
-/// composite_inertias. Discards the solution. Throws std::invalid_argument for a wrong size, or q or v that solve
-/// refuses.
+/// composite_inertias. Discards the solution. Throws std::invalid_argument for a wrong size, and for q or v that solve
+/// would refuse.
 void update_kinematics(const Scene& scene, const ConstVectorRef& q, const ConstVectorRef& v, SceneData& data);
 
 }  // namespace manycontact

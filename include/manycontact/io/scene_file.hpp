@@ -28,7 +28,7 @@ struct ContactGroup {
 };
 
 /// A <pose> element, for one copy of its robot: the required placement of a frame, or of a robot's centre of mass, in
-/// the world [m, rad]. Angles are those of rpy. Missing components are open.
+/// the world [m, rad]. Angles are those of the attribute rpy. Missing components are not required.
 struct ScenePose {
   std::string name;  // "robot/link", or the robot's name
   Attachment frame;

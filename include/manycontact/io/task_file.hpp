@@ -1,5 +1,6 @@
 #pragma once
-// An optimal control task read from its XML file. Plain data; task/problem.hpp makes a shooting problem from the task.
+// An optimal control task read from its XML file. A task is plain data. task/problem.hpp makes a shooting problem from
+// the task.
 
 #include <string>
 #include <vector>
@@ -27,13 +28,13 @@ enum class TaskResidual {
   kControlGrav,
   kContactControlGrav,
 };
-/// Whether a residual depends on the state alone, without controls, accelerations and forces. Terminal nodes and
-/// impacts allow only such residuals.
+/// Returns whether a residual depends on the state alone, without controls, accelerations and forces. Terminal nodes
+/// and impacts allow only such residuals.
 bool of_state_alone(TaskResidual residual);
 /// Returns the residual's name in task files: "frame_placement".
 const char* to_string(TaskResidual residual);
 
-/// The activation of a cost. By default, cones have a barrier at their own bounds.
+/// The activation of a cost. In a file, a cone without an activation has a quadratic barrier at the bounds of the cone.
 enum class TaskActivation { kQuad, kWeightedQuad, kQuadraticBarrier, kWeightedQuadraticBarrier, kSmooth1Norm };
 
 /// One <cost> or <constraint>. Only members that its residual uses are set; vectors are for one robot or contact.
@@ -43,7 +44,8 @@ struct TaskTerm {
   TaskResidual residual = TaskResidual::kState;
   int nr = 0;  // number of rows for one robot or contact
 
-  /// The robots, a frame on each of these robots, or the contacts that the term refers to. No robot: the whole scene.
+  /// The robots, a frame on each of these robots, or the contacts that the term refers to. Without robots, the term
+  /// refers to the whole scene.
   std::vector<int> robots, contacts;
   bool copied = false;  // the term applies to all copies; placements are then relative to a copy before `arrange`
   std::string frame;    // name of the frame on each of the robots
@@ -61,7 +63,8 @@ struct TaskTerm {
   TaskActivation activation = TaskActivation::kQuad;
   Eigen::VectorXd weights;  // nr numbers, for weighted activations
   double eps = 1;           // parameter of kSmooth1Norm
-  /// Bounds of a constraint or barrier: nr numbers, which may be infinite. Empty: the bounds of the cone.
+  /// The bounds of a constraint or barrier: nr numbers, which may be infinite. If empty, they are the bounds of the
+  /// cone.
   Eigen::VectorXd lower, upper;
 };
 

@@ -6,46 +6,48 @@
 
 namespace manycontact {
 
-/// Methods that solve the KKT system of an island (a set of robots connected by contacts).
+/// Methods that solve the KKT system of an island (a set of robots coupled by contacts or springs).
 enum class Method {
   kDense,           // rank-revealing dense factor, per island: the dense reference solver
-  kDenseSchur,      // the whole scene as one dense system, LLT of M and J M^-1 J^T, as in Crocoddyl: the baseline
+  kDenseSchur,      // LLT of M and J M^-1 J^T of the whole scene, as in Crocoddyl: the baseline of comparisons
   kSparseLdl,       // LDL^T of K by a precompiled schedule, per island
   kSuiteSparseLdl,  // LDL^T of K by SuiteSparse's LDL, for comparison; kAuto never chooses it
   kSparseCholmod,   // CHOLMOD's simplicial LDL^T of K, per island
-  kSparseBodies,    // also keeps accelerations of bodies and forces of joints as unknowns, per island; cost linear in
-                    // the depth of trees
+  kSparseBodies,    // sparse factor, per island, of a system with accelerations of bodies and forces of joints as
+                    // further unknowns; cost linear in the depth of trees
   kAuto,            // the sparse method and elimination order of least predicted cost, per island
 };
 inline constexpr Method kMethods[] = {
     Method::kDense,         Method::kDenseSchur,   Method::kSparseLdl, Method::kSuiteSparseLdl,
     Method::kSparseCholmod, Method::kSparseBodies, Method::kAuto};
 std::string to_string(Method method);  // "sparse-ldl"
-/// The method that to_string writes with this name; none if there is no such method.
+/// Returns the method to which to_string gives this name; nullopt if there is none.
 std::optional<Method> method_from_string(const std::string& name);
-/// Whether a method eliminates the rows of K in an order that can be chosen.
+/// Returns whether a method eliminates the rows of K in an order that can be chosen.
 constexpr bool has_order(Method m) {
   return m == Method::kSparseLdl || m == Method::kSuiteSparseLdl || m == Method::kSparseCholmod;
 }
 
-/// The position of contact rows in the elimination order of K. Joints are eliminated leaves first: M has no fill-in.
+/// The position of contact rows in the elimination order of K. Joints are eliminated from the leaves to the root, so
+/// that M has no fill-in.
 enum class Order {
   kLeafToRoot,     // all contacts last; accurate if J has full rank
   kContactsEarly,  // each contact once joints that move it in all its directions are eliminated; less fill-in
-  kCamd,           // SuiteSparse's CAMD, all joints before all contacts
+  kCamd,           // the order of SuiteSparse's CAMD, with all joints before all contacts
 };
 inline constexpr Order kOrders[] = {Order::kLeafToRoot, Order::kContactsEarly, Order::kCamd};
 std::string to_string(Order order);                               // "leaf-to-root"
 std::optional<Order> order_from_string(const std::string& name);  // the order with that name, or none
 
-/// How an island is solved; the method is never kAuto. K is assembled in `order`. Methods with has_order eliminate in
-/// it.
+/// The method and order with which an island is solved; the method is never kAuto. K is assembled in `order`, and
+/// methods with has_order eliminate in this order.
 struct Choice {
   Method method = Method::kSparseLdl;
   Order order = Order::kLeafToRoot;
 };
 
-/// SIMD instructions that solve several robots at a time: 2 (baseline), 4 (AVX2 and FMA) or 8 (AVX-512) robots.
+/// SIMD instructions with which a solve computes several robots at a time: 2 (baseline), 4 (AVX2 and FMA) or 8
+/// (AVX-512) robots.
 ///
 /// The robots of a batch have the same kinematic structure. With sparse-ldl, islands of one robot are batched as a
 /// whole, and islands of several robots robot by robot if this is cheaper. With sparse-bodies, subtrees between
@@ -72,12 +74,12 @@ enum class Precision {
 };
 inline constexpr Precision kPrecisions[] = {Precision::kSingle, Precision::kDouble, Precision::kExtended};
 std::string to_string(Precision precision);  // "single", "double", "extended"
-/// The precision that to_string writes with this name; none if there is no such precision.
+/// Returns the precision to which to_string gives this name; nullopt if there is none.
 std::optional<Precision> precision_from_string(const std::string& name);
 
 inline constexpr int kMostThreads = 4096;  // larger numbers of threads are refused
 
-struct Options {  // How to solve.
+struct Options {  // Options of a solve.
   Method method = Method::kAuto;
   std::optional<Order> order;  // for methods with has_order; none: the order of least predicted cost
   SimdLevel simd_level = SimdLevel::kAuto;

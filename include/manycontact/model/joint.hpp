@@ -15,15 +15,17 @@ enum class JointType {
   kPlanar,     // q: x y [m], angle [rad]; v in the moving frame; the plane's normal is z of the joint frame
 };
 
-/// The number of coordinates that a joint has in q.
+/// Returns the number of coordinates that a joint of this type has in q.
 constexpr int joint_nq(JointType t) { return t == JointType::kFloating ? 7 : t == JointType::kPlanar ? 3 : 1; }
-/// The number of coordinates that a joint has in v.
+/// Returns the number of coordinates that a joint of this type has in v.
 constexpr int joint_nv(JointType t) { return t == JointType::kFloating ? 6 : t == JointType::kPlanar ? 3 : 1; }
 
-/// Vectors shorter than this count as zero: they may be rounding errors of files or of computed differences.
+/// The length below which a direction vector counts as zero, since it may be a rounding error of a file or of a
+/// difference.
 constexpr double kZeroDirection = 1e-9;
 
-/// One joint and the body that it moves. Its joint frame is fixed to the parent; its child frame equals it at q = 0.
+/// One joint and the body that it moves. The joint frame is fixed to the parent body, and the child frame to the moved
+/// body. Both frames coincide in the neutral configuration.
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
@@ -40,7 +42,7 @@ struct Joint {
   int nq() const { return joint_nq(type); }  // numbers in q
   int nv() const { return joint_nv(type); }  // numbers in v
 
-  // Derived by finalize(Model&), to save work in the recursions.
+  // These members are computed by finalize(Model&), to save work in recursions over the joints.
   int axis_kind = 3;              // 0, 1, 2: axis is +x, +y, +z; 3: any other axis
   bool placement_rotates = true;  // whether placement.R differs from the identity
 };

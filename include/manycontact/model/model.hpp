@@ -1,6 +1,6 @@
 #pragma once
-// One robot (or object): a kinematic tree. It is constant once finalized, and shared by all copies of the robot in a
-// scene. Joints are numbered so that a parent comes before its children.
+// A model describes one robot (or object) as a kinematic tree. It is constant once finalized, and shared by all copies
+// of the robot in a scene. Joints are numbered so that a parent comes before its children.
 
 #include <memory>
 #include <string>
@@ -20,7 +20,7 @@ struct Frame {
   std::string parent_joint;  // joint of the file whose child is the link; may be a fixed joint; empty for the root
 };
 
-/// Elements of the file that were merged, locked, or not modelled, for `manycontact inspect` and the summary.
+/// Elements of the robot's file that were merged, locked, or not modelled, for reports and error messages.
 struct ModelNotes {
   std::vector<std::string> merged;    // names of fixed joints
   std::vector<std::string> locked;    // names of joints frozen at a position
@@ -31,7 +31,7 @@ struct ModelNotes {
 /// A tree of joints. With a floating base, all joints form one tree. Each joint attached to a fixed base starts a tree.
 struct Tree {
   int root = 0;           // number of the first joint
-  std::vector<int> path;  // joints from the root to the anchor, the body that has the tree frame's origin
+  std::vector<int> path;  // joints from the root to the anchor, the body with the origin of the tree frame
 };
 
 /// Coulomb friction is smoothed below about this speed [rad/s, m/s], instead of jumping at zero.
@@ -49,7 +49,7 @@ struct Model {  // A robot's joints, frames and inertias.
   Eigen::VectorXd friction;  // N m, N: Coulomb friction, smoothed around zero velocity so that it is differentiable
   ModelNotes notes;
 
-  // Derived by finalize.
+  // These members are computed by finalize.
   int nq = 0, nv = 0;
   std::vector<int> actuated;     // coordinates with torques in u: all except those of floating bases and passive joints
   std::vector<int> dof_parent;   // nv: the next coordinate towards the base; -1: none
@@ -67,15 +67,15 @@ struct Model {  // A robot's joints, frames and inertias.
 
   int njoints() const { return static_cast<int>(joints.size()); }  // movable joints, the floating base included
   int nu() const { return static_cast<int>(actuated.size()); }     // number of coordinates with a torque
-  /// The first coordinate that does not belong to a floating base.
+  /// Returns the first velocity coordinate that does not belong to a floating base.
   int first_actuated() const { return floating_base ? 6 : 0; }
-  /// The index of the frame with the given name, or -1.
+  /// Returns the index of the frame with the given name, or -1.
   int find_frame(const std::string& frame_name) const;
-  /// The index of the joint with the given name, or -1.
+  /// Returns the index of the joint with the given name, or -1.
   int find_joint(const std::string& joint_name) const;
-  /// The index of a joint's first torque in u, or -1.
+  /// Returns the index of a joint's first torque in the robot's u, or -1 if the joint has no torque.
   int torque_index(const Joint& joint) const;
-  /// The total mass [kg].
+  /// Returns the total mass [kg].
   double mass() const;
 };
 
@@ -84,16 +84,16 @@ struct Model {  // A robot's joints, frames and inertias.
 /// damping or friction has a wrong size.
 void finalize(Model& model);
 
-/// The number of entries of the packed M, all rows together. Throws std::length_error if M_begin is empty.
+/// Returns the number of entries of the packed joint-space inertia M. Throws std::length_error if M_begin is empty.
 std::size_t packed_size(const Model& model);
 
-/// Whether finalize was called since joints were last added or removed.
+/// Returns whether finalize was called since joints were last added or removed.
 bool is_finalized(const Model& model);
 
-/// The neutral configuration (nq): zeros and unit quaternions.
+/// Returns the neutral configuration (nq): zeros and unit quaternions.
 Eigen::VectorXd neutral(const Model& model);
 
-/// The name of velocity coordinate `dof`: "knee", or "root[0]" for a joint with several coordinates.
+/// Returns the name of velocity coordinate `dof`: "knee", or "root[0]" for a joint with several coordinates.
 std::string dof_name(const Model& model, int dof);
 
 }  // namespace manycontact

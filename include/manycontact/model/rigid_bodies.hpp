@@ -1,9 +1,9 @@
 #pragma once
 // The first argument of the functions in algorithm/rigid_body.hpp and algorithm/configuration.hpp: all robots of a
-// scene, one robot of it, or a model alone. It is a view, so that the scene or model must outlive it.
+// scene, one robot of it, or a model alone. The argument is a view, so that the scene or model must outlive it.
 //
-// q, v, tau and all other vectors contain the coordinates of these robots, robot after robot. For a scene they have its
-// nq and nv entries, for one robot the nq and nv entries of this robot.
+// q, v, tau and all other vectors contain the coordinates of these robots, robot after robot. For a scene their sizes
+// are nq and nv of the scene, for one robot those of this robot.
 
 #include <span>
 
@@ -15,10 +15,11 @@ class RigidBodies {  // all robots of a scene, one of its robots, or a model alo
  public:
   /// Selects all robots of a scene.
   RigidBodies(const Scene& scene) : scene_(&scene) {}
-  /// Selects one robot. Vectors q and v are then its own. Throws std::invalid_argument for an unknown name.
+  /// Selects one robot. Vectors q and v then contain the coordinates of this robot only. Throws std::invalid_argument
+  /// for an unknown name.
   RigidBodies(const Scene& scene, const std::string& robot);
-  /// Selects a model alone. base: placement of its base in the world. gravity: m/s^2. Throws std::invalid_argument if
-  /// the model is not finalized.
+  /// Selects a model alone. base: placement of the model's base in the world. gravity: m/s^2. Throws
+  /// std::invalid_argument if the model is not finalized.
   RigidBodies(const Model& model, const SE3<double>& base = {}, const Vec3<double>& gravity = {0, 0, -9.81});
 
   std::span<const Robot> robots() const;  // the robots in the order of their coordinates
@@ -26,15 +27,15 @@ class RigidBodies {  // all robots of a scene, one of its robots, or a model alo
   int nq() const;                                                                      // number of coordinates of q
   int nv() const;                                                                      // number of coordinates of v
   int njoints() const;  // movable joints, floating bases included
-  /// All joint springs of the scene, also those of other robots; empty for a model alone.
+  /// Returns all joint springs of the scene, also those of robots that are not selected; empty for a model alone.
   std::span<const JointSpring> joint_springs() const {
     return scene_ ? std::span<const JointSpring>(scene_->joint_springs) : std::span<const JointSpring>();
   }
-  /// The first robot's number in its scene; 0 for a model alone.
+  /// Returns the number of the first selected robot in its scene; 0 for a model alone.
   int first() const { return first_; }
-  /// The first coordinate in q of a robot of robots().
+  /// Returns the index in q of the first coordinate of a robot in robots().
   int idx_q(const Robot& robot) const { return robot.idx_q - robots().front().idx_q; }
-  /// The first coordinate in v of a robot of robots().
+  /// Returns the index in v of the first coordinate of a robot in robots().
   int idx_v(const Robot& robot) const { return robot.idx_v - robots().front().idx_v; }
 
  private:
@@ -57,7 +58,8 @@ Attachment find_frame(const RigidBodies& bodies, const std::string& name);
 /// name, and suggests the nearest name.
 BodyJoint find_joint(const RigidBodies& bodies, const std::string& name);
 
-/// The names of all frames or joints, in the order of their numbers: "r0/knee", or "knee" if there is only one robot.
+/// Return the names of all frames or all joints, in the order of their numbers: "r0/knee", or "knee" if there is only
+/// one robot.
 std::vector<std::string> frame_names(const RigidBodies& bodies);
 std::vector<std::string> joint_names(const RigidBodies& bodies);
 

@@ -21,7 +21,7 @@ struct Robot {  // One robot of a scene.
 /// The constraint of a contact: on a point (1D, 2D, 3D), on a frame (6D), or on a frame except its rotation about one
 /// axis (5D, a hinge).
 enum class ContactType { k1D, k2D, k3D, k5D, k6D };
-/// The axes of constraint rows, wrenches and velocities of frames.
+/// The axes in which constraint rows, wrenches, or velocities of frames are expressed.
 enum class ReferenceFrame {
   kLocal,
   kWorld,
@@ -47,12 +47,12 @@ constexpr int contact_rows(ContactType t) {  // the number of constraint rows of
   return 6;
 }
 
-/// Whether a contact of this type has angular constraint rows.
+/// Returns whether a contact of this type has angular constraint rows.
 constexpr bool holds_turning(ContactType t) { return t == ContactType::k5D || t == ContactType::k6D; }
-/// Whether a contact of this type has an axis (Contact::axis).
+/// Returns whether a contact of this type has an axis (Contact::axis).
 constexpr bool has_axis(ContactType t) { return t == ContactType::k1D || t == ContactType::k5D; }
 
-/// The name of a type in scene files: "6d".
+/// Returns the name of a contact type in scene files: "6d".
 inline std::string to_string(ContactType t) { return std::to_string(contact_rows(t)) + "d"; }
 
 /// A frame on a joint's body or in the world, to which contacts, external wrenches and springs are attached.
@@ -60,9 +60,9 @@ struct Attachment {
   int robot = -1;          // number of the robot in the scene; -1: the world
   int joint = -1;          // number of the joint in the robot's model; -1: the fixed base
   SE3<double> placement;   // placement of the frame on that body
-  std::string frame = {};  // the robot's frame it was made from, before any offset; empty if unknown
+  std::string frame = {};  // the robot's frame to which `placement` adds an offset, if any; empty if unknown
 };
-/// Whether the body of an attachment can move. The world and fixed bases cannot.
+/// Returns whether the body of an attachment can move. The world and fixed bases cannot.
 inline bool moves(const Attachment& at) { return at.robot >= 0 && at.joint >= 0; }
 
 struct PairRows;  // defined in the private module contact
@@ -98,7 +98,7 @@ struct ExternalWrench {
   ReferenceFrame reference_frame =
       ReferenceFrame::kLocal;                  // axes of the wrench: those of the frame, which rotate with the body, or
                                                // the world's (kWorld and kLocalWorldAligned are the same)
-  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque] at its origin [N, N m]; solves read SceneData
+  Vec6<double> wrench = Vec6<double>::Zero();  // initial [force; torque] [N, N m]; solve uses SceneData::wrenches
 };
 
 /// A massless spring and damper between two points. It pulls A towards B with the force
@@ -162,8 +162,8 @@ Attachment attach(const Scene& scene, const std::string& robot, const std::strin
 Attachment world_if_immovable(const Scene& scene, Attachment attachment);
 
 /// Appends a contact; returns its number. The axis is normalised. B' is expressed in the world if its body cannot move,
-/// so that the contact does not couple that robot. A is always kept: rows and forces are in A's axes. Existing
-/// SceneData become invalid.
+/// so that the contact does not couple that robot. A is never moved to the world, because rows and forces refer to A.
+/// Existing SceneData become invalid.
 ///
 /// Throws std::invalid_argument for:
 ///
@@ -188,21 +188,22 @@ int add_spring(Scene& scene, Spring spring);
 int add_joint_spring(Scene& scene, const std::string& robot, const std::string& joint, double stiffness,
                      double rest = 0);
 
-/// The names of the components of all wrenches: "wind[0]", ... "wind[5]" for each external wrench.
+/// Returns the names of the components of all wrenches: "wind[0]", ... "wind[5]" for each external wrench.
 std::vector<std::string> wrench_names(const Scene& scene);
 
-/// Whether the scene has forces other than those of motors, gravity and contacts: external wrenches or springs.
+/// Returns whether the scene has forces other than those of motors, gravity and contacts: external wrenches or springs.
 inline bool has_applied_forces(const Scene& scene) {
   return !scene.wrenches.empty() || !scene.springs.empty() || !scene.joint_springs.empty();
 }
 
-/// The names of the coordinates of q, v and u: "r0/knee", or "r0/root[0]" for a joint with several coordinates.
+/// Return the names of the coordinates of q, v and u: "r0/knee", or "r0/root[0]" for a joint with several coordinates.
 std::vector<std::string> configuration_names(const Scene& scene);
 std::vector<std::string> velocity_names(const Scene& scene);
 std::vector<std::string> torque_names(const Scene& scene);
 
-/// The first coordinate of a joint in the scene's q, v or u. The functions throw std::invalid_argument for an unknown
-/// name, and suggest the nearest name. u_index also throws for a joint without torques, such as a floating base.
+/// Return the index of a joint's first coordinate in the scene's q, v or u. They throw std::invalid_argument for an
+/// unknown name, and suggest the nearest name. u_index also throws for a joint without torques, such as a floating
+/// base.
 int q_index(const Scene& scene, const std::string& robot, const std::string& joint);
 int v_index(const Scene& scene, const std::string& robot, const std::string& joint);
 int u_index(const Scene& scene, const std::string& robot, const std::string& joint);

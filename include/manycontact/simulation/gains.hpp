@@ -25,7 +25,7 @@
 // the stable step than at h omega = 1/10. Smaller gains hardly reduce it, and correct initial errors slowly.
 //
 // The recommended gains are meant for integration errors. A large initial error e would cause an acceleration alpha e
-// at once: use the gains of a larger step for it.
+// at once. For such an error, use the gains of a larger step.
 
 #include "manycontact/simulation/integrator.hpp"
 

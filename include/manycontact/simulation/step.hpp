@@ -1,8 +1,8 @@
 #pragma once
 // Simulates a scene, on the manifold of its configurations, with its active contacts.
 //
-// Semi-implicit Euler constrains velocities by impulses h f. M is the joint-space inertia, J the contact rows, ID the
-// inverse dynamics, delta the scene's damping, alpha and beta are gains, and a step solves
+// Semi-implicit Euler constrains velocities by impulses h f. Let M be the joint-space inertia, J the contact rows, ID
+// the inverse dynamics, delta the scene's damping, and alpha, beta the gains. A step solves
 //
 //     [ M  J^T     ] [ x    ]   [ -h ID(q, v, s) + h tau     ]      s = -(v / h + w x v)
 //     [ J  -delta I] [ -h f ] = [ (1 - beta h) c - alpha h e ]      c+ = J(q) x
@@ -154,8 +154,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 };
 
 /// Makes one step with torques u (nu) [N m, N]. If the result is not kOk, data.q, v and steps remain unchanged.
-/// Allocates as `solve` does: with sparse-ldl, only in the first step. Throws std::invalid_argument if u has a wrong
-/// size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
+/// Allocates as `solve` does: with method sparse-ldl, only in the first step. Throws std::invalid_argument if u has a
+/// wrong size. Thread-safe for distinct data. Cost: one solve (semi-implicit Euler) or four (RK4).
 [[nodiscard]] StepStatus step(const Scene& scene, const ConstVectorRef& u, SimulationData& data);
 
 /// Returns the rows of data.f of a contact, given by name or number: the force on A in the last step, in the contact's

@@ -5,8 +5,8 @@
 //     step_batch(scene, U, batch);                                                 // batch.q, batch.v: after the step
 //
 // If the robots of one state do not fill a SIMD batch, several states are stepped together, as one scene with one copy
-// per SIMD element; these groups are distributed over threads. Each state moves as by `step` alone, up to rounding
-// errors: neither the other states nor the number of threads change its numbers.
+// per SIMD element. These groups are distributed over threads. Each state moves as `step` alone would move it, up to
+// rounding errors. Its numbers do not depend on the other states or on the number of threads.
 
 #include "manycontact/dynamics/batch.hpp"
 #include "manycontact/simulation/step.hpp"

@@ -4,8 +4,9 @@
 //     [ M  J^T     ] [ v+      ]   [ M v ]
 //     [ J  -delta I] [ -Lambda ] = [  0  ]
 //
-// M: joint-space inertia, J: contact rows, delta: damping, Lambda: impulse without rebound. v+ is the velocity allowed
-// by the contacts that is nearest to v in the norm of M. Opening a contact changes no velocity.
+// M is the joint-space inertia, J the contact rows, delta the damping, and Lambda the impulse, without rebound. The
+// velocity v+ is the one allowed by the contacts that is nearest to v in the norm of M. Opening a contact changes no
+// velocity.
 
 #include "manycontact/simulation/step.hpp"
 

@@ -1,8 +1,9 @@
 #pragma once
-// Exponential and logarithm of SO(3), SE(3) and SE(2), accurate near 0 and near pi, and right Jacobians of log6 and
-// exp6. The logarithm is defined for angles up to pi; at pi the sign of the rotation axis is arbitrary. The
-// coefficients of Jlog6 are those of z/2 coth(z/2), interpolated on the spectrum {0, +-i theta} (double) of ad. Source:
-// Chirikjian, Stochastic Models, Information Theory, and Lie Groups 2 (2012), chapter 10.
+// Exponential and logarithm of SO(3), SE(3) and SE(2), accurate for rotation angles near 0 and near pi, and right
+// Jacobians of log6 and exp6. The logarithm is defined for angles up to pi; at pi the sign of the rotation axis is
+// arbitrary. Jlog6 is a polynomial of ad that interpolates z/2 + z/2 coth(z/2) at the eigenvalues of ad: 0 and +-i t
+// for a rotation angle t, each of multiplicity two. Source: Chirikjian, Stochastic Models, Information Theory, and Lie
+// Groups 2 (2012), chapter 10.
 
 #include <cmath>
 
@@ -12,7 +13,8 @@ namespace manycontact {
 
 namespace detail {
 
-/// a = sin(t)/t, b = (1 - cos t)/t^2, c = (t - sin t)/t^3 as functions of t^2; small t by series, as these cancel.
+/// The coefficients a = sin(t)/t, b = (1 - cos t)/t^2, c = (t - sin t)/t^3 as functions of t^2. For small t they are
+/// computed by series, because the differences would cancel.
 template <class S>
 struct ExpCoefficients {
   S a, b, c;
@@ -21,7 +23,7 @@ struct ExpCoefficients {
     using std::sin;
     using std::sqrt;
     if (t2 < S(0.25)) {
-      // sum (-1)^k t^2k / (2k+1+m)!; 20 terms reach quadruple precision for t < 1/2
+      // a, b, c are sums of (-1)^k t^2k / (2k+1+m)! with m = 0, 1, 2; k <= 20 gives quadruple precision for t < 1/2
       a = b = c = S(0);
       for (int k = 20; k >= 0; --k) {
         a = S(1) - a * t2 / S((2 * k + 2) * (2 * k + 3));
@@ -39,8 +41,8 @@ struct ExpCoefficients {
   }
 };
 
-/// alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and dalpha = d alpha / d(t^2), as functions of t^2. For a rotation
-/// vector w, |w| = t, the linear part of log6 is (I - [w]/2 + alpha [w]^2) p.
+/// The coefficient alpha = (1 - k)/t^2 with k = (t/2) cot(t/2), and dalpha = d alpha / d(t^2), as functions of t^2. For
+/// a position p and a rotation vector w, |w| = t, the linear part of log6 is (I - [w]x/2 + alpha [w]x^2) p.
 template <class S>
 struct LogCoefficients {
   S alpha, dalpha;
@@ -71,14 +73,14 @@ struct LogCoefficients {
 }  // namespace detail
 
 template <class S>
-/// The rotation matrix of a rotation vector w [rad].
+/// Returns the rotation matrix of a rotation vector w [rad].
 Mat3<S> exp3(const Vec3<S>& w) {
   const detail::ExpCoefficients<S> k(w.squaredNorm());
   const Mat3<S> W = skew<S>(w);
   return Mat3<S>::Identity() + k.a * W + k.b * (W * W);
 }
 
-/// The rotation vector of a unit quaternion (x, y, z, w) with w >= 0: 2 atan2(|xyz|, w) xyz/|xyz|.
+/// Returns the rotation vector [rad] of a unit quaternion (x, y, z, w) with w >= 0: 2 atan2(|xyz|, w) xyz/|xyz|.
 template <class S>
 Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
   using std::atan2;
@@ -94,12 +96,13 @@ Vec3<S> log_quaternion(const Eigen::Matrix<S, 4, 1>& q) {
 }
 
 template <class S>
-/// The rotation vector of a rotation matrix R, with |log3(R)| <= pi [rad].
+/// Returns the rotation vector of a rotation matrix R, with |log3(R)| <= pi [rad].
 Vec3<S> log3(const Mat3<S>& R) {
   return log_quaternion<S>(quaternion_of_rotation<S>(R));
 }
 
-/// The exponential of a motion m = [v; w] during unit time: a placement in SE(3).
+/// Returns the exponential of a motion m = [v; w]: the placement in SE(3) that the constant velocity m, in axes of the
+/// moving frame, reaches in unit time.
 template <class S>
 SE3<S> exp6(const Vec6<S>& m) {
   const Vec3<S> v = m.template head<3>(), w = m.template tail<3>();
@@ -109,7 +112,7 @@ SE3<S> exp6(const Vec6<S>& m) {
           Vec3<S>(v + k.b * w.cross(v) + k.c * w.cross(w.cross(v)))};
 }
 
-/// The logarithm of a placement M: the motion m with exp6(m) = M and |angular part| <= pi.
+/// Returns the logarithm of a placement M: the motion m with exp6(m) = M and |angular part| <= pi.
 template <class S>
 Vec6<S> log6(const SE3<S>& M) {
   const Vec3<S> w = log3<S>(M.R);
@@ -121,7 +124,7 @@ Vec6<S> log6(const SE3<S>& M) {
   return m;
 }
 
-/// The right Jacobian of log6: log6(M exp6(d)) = log6(M) + Jlog6(xi) d + O(d^2), with xi = log6(M).
+/// Returns the right Jacobian of log6: log6(M exp6(d)) = log6(M) + Jlog6(xi) d + O(d^2), with xi = log6(M).
 ///
 ///     I + ad/2 + (alpha - t^2 alpha') ad^2 - alpha' ad^4    with ad = ad_xi, alpha' = d alpha / d(t^2)
 template <class S>
@@ -133,16 +136,16 @@ Mat6<S> Jlog6(const Vec6<S>& xi) {
   return Mat6<S>::Identity() + ad / S(2) + (k.alpha - t2 * k.dalpha) * ad2 - k.dalpha * (ad2 * ad2);
 }
 
-/// The right Jacobian of log6 at a placement M: log6(M exp6(d)) = log6(M) + log6_derivative(M) d + O(d^2).
+/// Returns the right Jacobian of log6 at a placement M: log6(M exp6(d)) = log6(M) + log6_derivative(M) d + O(d^2).
 template <class S>
 Mat6<S> log6_derivative(const SE3<S>& M) {
   return Jlog6<S>(log6<S>(M));
 }
 
-/// The right Jacobian of exp6: exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)). It is the inverse of Jlog6.
+/// Returns the right Jacobian of exp6: exp6(m + d) = exp6(m) exp6(Jexp6(m) d + O(d^2)). It is the inverse of Jlog6.
 template <class S>
 Mat6<S> Jexp6(const Vec6<S>& m) {
-  // (1 - e^-ad)/ad, Horner on the series after halving: J(2m) = 1/2 (I + Ad(exp(-m))) J(m)
+  // J = (1 - e^-ad)/ad by Horner's rule on its series after halving m; then J(2m) = 1/2 (I + Ad(exp(-m))) J(m)
   using std::ceil;
   int halvings = 0;
   S scale(1);
@@ -158,7 +161,8 @@ Mat6<S> Jexp6(const Vec6<S>& m) {
   return J;
 }
 
-/// The exponential of (vx, vy, w) in SE(2): translation in the axes at the start, and rotation angle w.
+/// Returns the exponential of m = (vx, vy, w) in SE(2): the translation in the axes at the start, and the rotation
+/// angle w.
 template <class S>
 Vec3<S> exp_se2(const Vec3<S>& m) {
   const detail::ExpCoefficients<S> k(m[2] * m[2]);
@@ -166,7 +170,7 @@ Vec3<S> exp_se2(const Vec3<S>& m) {
   return Vec3<S>(s * m[0] - c * m[1], c * m[0] + s * m[1], m[2]);
 }
 
-/// The inverse of exp_se2, for |angle| < 2 pi.
+/// Returns the logarithm in SE(2), the inverse of exp_se2, for |angle| < 2 pi.
 template <class S>
 Vec3<S> log_se2(const Vec3<S>& d) {
   const S w = d[2], half = w / S(2);

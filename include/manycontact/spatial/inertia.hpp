@@ -23,7 +23,7 @@ struct Inertia {  // A rigid body's inertia.
     I += o.I;
     return *this;
   }
-  /// The product Y a with Y = matrix(): the force of an acceleration a, or the momentum of a velocity a.
+  /// Returns Y a with Y = matrix(): the force that an acceleration a requires, or the momentum at a velocity a.
   template <class D>
   [[gnu::always_inline]] Vec6<S> operator*(const Eigen::MatrixBase<D>& a) const {
     const Vec3<S> v = a.template head<3>(), w = a.template tail<3>();
@@ -32,16 +32,17 @@ struct Inertia {  // A rigid body's inertia.
     f.template tail<3>() = add_cross(times<S>(I, w), h, v);
     return f;
   }
-  /// The inertia as a 6 x 6 matrix.
+  /// Returns the inertia as a 6 x 6 matrix, linear part first.
   Mat6<S> matrix() const {
     Mat6<S> Y;
     const Mat3<S> H = skew<S>(h);
     Y << m * Mat3<S>::Identity(), -H, H, I;
     return Y;
   }
-  /// The same body's inertia in axes rotated by R, about the same origin.
+  /// Returns the inertia in other axes, about the same origin. R maps coordinates from the current to the other axes.
   Inertia turned(const Mat3<S>& R) const { return {m, times<S>(R, h), congruent<S>(R, I)}; }
-  /// The same body's inertia about a point from which this origin is at p. m may be 0, as no centre of mass is formed.
+  /// Returns the inertia about another point, seen from which the current origin is at p. m may be 0, because the
+  /// centre of mass is not computed.
   Inertia seen_at(const Vec3<S>& p) const {
     Inertia out = *this;
     out.h = add_scaled(h, m, p);
@@ -57,7 +58,7 @@ struct Inertia {  // A rigid body's inertia.
     }
     return out;
   }
-  /// The inertia in frame a of an inertia in frame b; aMb: placement of b in a.
+  /// Returns this inertia, which is given in frame b, in frame a. aMb: placement of b in a.
   Inertia transformed(const SE3<S>& aMb) const { return turned(aMb.R).seen_at(aMb.p); }
   template <class T>
   /// Converts the scalar type.

@@ -6,7 +6,7 @@
 
 namespace manycontact {
 
-/// The skew matrix [w]x of a vector w: [w]x u = w x u.
+/// Returns the skew matrix [w]x of a vector w: [w]x u = w x u.
 template <class S>
 Mat3<S> skew(const Vec3<S>& w) {
   Mat3<S> m;
@@ -14,7 +14,7 @@ Mat3<S> skew(const Vec3<S>& w) {
   return m;
 }
 
-/// m1 x m2: the rate of change of a motion m2 that is fixed to a body moving with m1.
+/// Returns m1 x m2, the rate of change of a motion m2 that is fixed to a body moving with m1.
 template <class A, class B>
 [[gnu::always_inline]] inline Vec6<typename A::Scalar> cross_motion(const Eigen::MatrixBase<A>& m1,
                                                                     const Eigen::MatrixBase<B>& m2) {
@@ -39,7 +39,7 @@ template <class C, class A, class B>
   return out;
 }
 
-/// m x* f: the rate of change of a force f that is fixed to a body moving with m.
+/// Returns m x* f, the rate of change of a force f that is fixed to a body moving with m.
 template <class A, class B>
 [[gnu::always_inline]] inline Vec6<typename A::Scalar> cross_force(const Eigen::MatrixBase<A>& m,
                                                                    const Eigen::MatrixBase<B>& f) {
@@ -64,7 +64,7 @@ template <class C, class A, class B>
   return out;
 }
 
-/// The 6 x 6 matrix ad_m of a motion m: ad_m m2 = m x m2.
+/// Returns the 6 x 6 matrix ad_m of a motion m: ad_m m2 = m x m2.
 template <class S>
 Mat6<S> cross_matrix(const Vec6<S>& m) {
   Mat6<S> ad;

@@ -1,10 +1,10 @@
 #pragma once
-// Scalars and fixed-size matrices.
+// The scalar S of templates, and Eigen types with this scalar.
 //
-// The forward path (kinematics to solution) is templated on the scalar: double; quadruple precision as the reference of
-// tests and charts; packs of doubles for SIMD batches. Its templates are in .cpp files, instantiated there for
-// InstantiatedScalar. The library manycontact_quad compiles these files with MANYCONTACT_QUAD defined, and each SIMD
-// level compiles them with MANYCONTACT_LANES.
+// The computations from kinematics to the solution are templates on S: double, quadruple precision (reference values of
+// tests and charts) or packs (SIMD batches, detail/spatial/pack.hpp). The templates are defined in .cpp files, and
+// instantiated there for InstantiatedScalar. The library manycontact_quad compiles these files with MANYCONTACT_QUAD
+// defined, and each SIMD level compiles them with MANYCONTACT_LANES.
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
@@ -40,7 +40,8 @@ template <class S> using Mat6 = Eigen::Matrix<S, 6, 6>;
 template <class S> using VecX = Eigen::Matrix<S, Eigen::Dynamic, 1>;
 template <class S> using MatX = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 template <class S> using Mat6X = Eigen::Matrix<S, 6, Eigen::Dynamic>;
-// Eigen's default strides, written out: clang and GCC mangle the default differently, and objects would not link.
+// These types repeat Eigen's default strides, because clang and GCC mangle a default differently. Without this, objects
+// of both compilers would not link.
 template <class S> using ConstVecRef = Eigen::Ref<const VecX<S>, 0, Eigen::InnerStride<1>>;
 template <class S> using VecRef = Eigen::Ref<VecX<S>, 0, Eigen::InnerStride<1>>;
 using ConstVectorRef = ConstVecRef<double>;
@@ -58,7 +59,8 @@ void sin_cos(const S& angle, S& s, S& c) {
   c = cos(x);
   s = sine;
 }
-/// The number of angles to compute at a time. A single robot's angles are vectorised (detail/spatial/pack.hpp).
+/// The number of angles that one call of sin_cos gets. With Pack<1>, a single robot, the angles fill SIMD registers
+/// (detail/spatial/pack.hpp).
 template <class S>
 inline constexpr int kAngles = 1;
 #ifdef MANYCONTACT_LANES
@@ -75,16 +77,18 @@ template <class S>
 S multiply_add(const S& a, const S& b, const S& c) {
   return a * b + c;
 }
-/// Returns a if the condition is true, otherwise b.
+/// Returns a if `holds` is true, otherwise b.
 template <class S>
 S select(bool holds, const S& a, const S& b) {
   return holds ? a : b;
 }
+/// Returns |x|.
 template <class S>
 S absolute(const S& x) {
   using std::abs;
   return abs(x);
 }
+/// Returns the larger of a and b.
 template <class S>
 S larger(const S& a, const S& b) {
   return a > b ? a : b;

@@ -14,12 +14,12 @@ struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the p
   const Mat3<S>& rotation() const { return R; }     // Pinocchio's name of R
   const Vec3<S>& translation() const { return p; }  // Pinocchio's name of p
 
-  /// The product aMc = aMb bMc.
+  /// Returns the product aMc = aMb bMc.
   SE3 operator*(const SE3& o) const { return {times<S>(R, o.R), add_times<S>(p, R, o.p)}; }
-  /// The inverse placement bMa.
+  /// Returns the inverse placement bMa.
   SE3 inverse() const { return {R.transpose(), -transpose_times<S>(R, p)}; }
 
-  /// The motion m of frame b, expressed in frame a: X m.
+  /// Transforms a motion m from coordinates of frame b to those of frame a: X m with X = action().
   template <class D>
   Vec6<S> act(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -28,7 +28,7 @@ struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the p
     out.template tail<3>() = w;
     return out;
   }
-  /// The motion m of frame a, expressed in frame b: X^-1 m.
+  /// Transforms a motion m from coordinates of frame a to those of frame b: X^-1 m with X = action().
   template <class D>
   Vec6<S> act_inverse(const Eigen::MatrixBase<D>& m) const {
     Vec6<S> out;
@@ -38,7 +38,7 @@ struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the p
     out.template tail<3>() = transpose_times<S>(R, w);
     return out;
   }
-  /// The force f in frame b, expressed in frame a: X^-T f.
+  /// Transforms a force f from coordinates of frame b to those of frame a: X^-T f with X = action().
   template <class D>
   Vec6<S> act_force(const Eigen::MatrixBase<D>& f) const {
     Vec6<S> out;
@@ -47,7 +47,7 @@ struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the p
     out.template tail<3>() = add_cross(times<S>(R, f.template tail<3>()), p, force);
     return out;
   }
-  /// The matrix X (6 x 6) with act(m) = X m.
+  /// Returns the matrix X (6 x 6) with act(m) = X m.
   Mat6<S> action() const {
     Mat6<S> X;
     X << R, skew<S>(p) * R, Mat3<S>::Zero(), R;
@@ -59,12 +59,12 @@ struct SE3 {  // A placement: origin p in the parent's axes, rotation R to the p
   }
 };
 
-/// The rotation about the unit vector `axis` by an angle with sine s and cosine c (Rodrigues).
+/// Returns the rotation matrix about the unit vector `axis` by an angle with sine s and cosine c (Rodrigues' formula).
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& s, const S& c) {
   return c * Mat3<S>::Identity() + s * skew<S>(axis) + (S(1) - c) * (axis * axis.transpose());
 }
-/// The rotation about the unit vector `axis` by `angle` [rad].
+/// Returns the rotation matrix about the unit vector `axis` by `angle` [rad].
 template <class S>
 Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   S s, c;
@@ -72,7 +72,8 @@ Mat3<S> rotation_about(const Vec3<S>& axis, const S& angle) {
   return rotation_about<S>(axis, s, c);
 }
 
-/// The rotation matrix of a quaternion (x, y, z, w); exactly orthonormal even if its norm is only nearly 1.
+/// Returns the rotation matrix of a quaternion (x, y, z, w). Even if the quaternion's norm is only nearly 1, the matrix
+/// is orthonormal up to rounding errors.
 template <class S>
 Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   const S s = S(2) / (x * x + y * y + z * z + w * w);
@@ -83,7 +84,8 @@ Mat3<S> rotation_of_quaternion(const S& x, const S& y, const S& z, const S& w) {
   return R;
 }
 
-/// The unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, by Shepperd's method; accurate at any angle.
+/// Returns the unit quaternion (x, y, z, w), w >= 0, of a rotation matrix R by Shepperd's method, which is accurate at
+/// any angle.
 template <class S>
 Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   using std::sqrt;
@@ -107,7 +109,7 @@ Eigen::Matrix<S, 4, 1> quaternion_of_rotation(const Mat3<S>& R) {
   return q;
 }
 
-/// The seven coordinates x y z, qx qy qz qw of a placement, with qw >= 0.
+/// Returns the seven coordinates x y z, qx qy qz qw of a placement, with qw >= 0.
 template <class S>
 Eigen::Matrix<S, 7, 1> pose_of_placement(const SE3<S>& M) {
   Eigen::Matrix<S, 7, 1> pose;
@@ -115,7 +117,7 @@ Eigen::Matrix<S, 7, 1> pose_of_placement(const SE3<S>& M) {
   return pose;
 }
 
-/// The placement with coordinates x y z, qx qy qz qw, the reverse of pose_of_placement.
+/// Returns the placement with the coordinates x y z, qx qy qz qw, as the inverse of pose_of_placement.
 template <class D>
 SE3<typename D::Scalar> placement_of_pose(const Eigen::MatrixBase<D>& pose) {
   return {rotation_of_quaternion<typename D::Scalar>(pose[3], pose[4], pose[5], pose[6]), pose.template head<3>()};

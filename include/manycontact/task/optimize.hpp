@@ -18,7 +18,7 @@ struct TaskIteration {
   bool feasible = false;
 };
 
-/// Times per running node, medians over the iterations [us]; total [us].
+/// Times per running node, medians over the iterations [us]. `total` is the time of the whole solve [us].
 struct TaskTimes {
   double calc = 0;       // forward pass: controls, dynamics and costs
   double calc_diff = 0;  // derivatives of the forward pass
@@ -29,7 +29,7 @@ struct TaskTimes {
 /// Feedback u = us_t - K_t (x (-) xs_t) of robots that are solved together. dx, u: indices of the robots' coordinates.
 struct TaskGains {
   std::vector<int> dx, u;
-  std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and at nodes where another entry has the robots
+  std::vector<Eigen::MatrixXd> K;  // one per node; no rows at impacts, and where another entry contains the robots
 };
 
 struct TaskSolution {  // The result of optimize, and a report of the solve.
@@ -53,7 +53,7 @@ struct TaskSolution {  // The result of optimize, and a report of the solve.
   std::size_t outer_iterations = 0;          // minimisations of the augmented Lagrangian; 0 without constraints
   TaskTimes times;
 
-  /// Whether the constraints were found to be infeasible.
+  /// Returns whether the constraints were found to be infeasible.
   bool infeasible() const { return reason.rfind("infeasible", 0) == 0; }
 };
 
@@ -69,9 +69,9 @@ struct TaskOptions {                      // Solver settings that are not in the
 /// chooses the sparse solver if the problem has more than one block, else FDDP.
 ///
 /// When the stopping value is below the tolerance, the solver continues until the KKT residual is below 1e-6. If both
-/// are, `converged` is true. The KKT residual is relative to the size of the cost (SolverDDP::get_kkt_scale). For very
-/// large or small costs the tolerance is relative, too (SolverDDP::set_measures_scale).
-/// With any of these solvers, SolverAugmentedLagrangian satisfies constraints to 1e-9.
+/// thresholds are met, `converged` is true. The KKT residual is relative to the size of the cost
+/// (SolverDDP::get_kkt_scale). For very large or small costs the tolerance is relative, too
+/// (SolverDDP::set_measures_scale). With any of these solvers, SolverAugmentedLagrangian satisfies constraints to 1e-9.
 ///
 /// A numerical failure is not an exception: `reason` describes the failure. `remarks` lists remedies that were applied:
 ///

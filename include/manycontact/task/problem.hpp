@@ -24,7 +24,7 @@ struct TaskProblem {  // A task as a shooting problem.
   std::vector<Eigen::VectorXd> multipliers = {};  // initial guess of the constraints' multipliers; empty: zeros
 };
 
-/// Whether any node has constraints.
+/// Returns whether any node has constraints.
 bool has_constraints(const TaskFile& task);
 
 /// Makes the problem with the nodes that the solver needs. For kFddp, or a single block, they are nodes of the whole

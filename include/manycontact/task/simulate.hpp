@@ -16,14 +16,15 @@ struct SimulatedMotion {
   double distance = 0;                   // largest component of x (-) xs at any node, where xs is the solution
 };
 
-/// Simulates u = us_t - K_t (x (-) xs_t), constant between nodes, with the phases' contacts; substeps: >= 1, per node.
+/// Simulates the controls u = us_t - K_t (x (-) xs_t), which are constant between nodes, with the phases' contacts.
+/// substeps: number of steps per node.
 ///
 /// A contact that closes at a change of phase stops the frames' relative velocity (switch_contacts), even if the phase
 /// has no impact. The contact then constrains the frames at their current placements, or with at="scene" at the
 /// placement in the scene. The contacts' gains are those that the integrator recommends for the size of a substep; the
 /// scene's gains are meant for the task's step. Without K in the solution, u = us_t.
 ///
-/// Throws std::invalid_argument for less than one step, and for a solution of another task. Allocates.
+/// Throws std::invalid_argument for less than one step per node, and for a solution of another task. Allocates.
 SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps);
 
 }  // namespace manycontact

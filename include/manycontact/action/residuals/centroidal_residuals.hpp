@@ -26,7 +26,7 @@ class CentroidalResidual : public NamedResidual {
 /// The position of the centre of mass (3) minus the reference cref [m], in the world.
 class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual, Eigen::Vector3d> {
  public:
-  /// robot: its number; -1: the whole scene.
+  /// robot: number of the robot; -1: the whole scene.
   ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
                            std::size_t nu = kDefaultNu, int robot = -1)
       : ResidualWithReference(cref, "ResidualModelCoMPosition", std::move(state), 3u, nu, Dependence{.q = true},
@@ -41,7 +41,7 @@ class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual
 /// The momentum [linear; angular about the centre of mass] - href (6) [N s, N m s], in world axes, without armature.
 class ResidualModelCentroidalMomentum : public ResidualWithReference<CentroidalResidual, Vec6<double>> {
  public:
-  /// robot: its number; -1: the whole scene.
+  /// robot: number of the robot; -1: the whole scene.
   ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href,
                                   std::size_t nu = kDefaultNu, int robot = -1)
       : ResidualWithReference(href, "ResidualModelCentroidalMomentum", std::move(state), 6u, nu,

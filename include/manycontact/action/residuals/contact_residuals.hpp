@@ -12,7 +12,8 @@ namespace manycontact {
 /// The axes of a cone: the contact's reference frame (as in Crocoddyl), A, the world (for rotating point feet), or B'.
 enum class ConeAxes { kContact, kFoot, kWorld, kOther };
 
-/// Base class of r = B f - b, with the contact force f. B, b depend on the reference, and without kContact on q, too.
+/// The base class of residuals r = B f - b, with the contact force f. B and b depend on the reference, and with axes
+/// other than kContact also on q.
 class ContactResidual : public FrameResidual {
  public:
   /// Throws std::invalid_argument if there is no contact on the frame, or its type does not fit.
@@ -20,7 +21,8 @@ class ContactResidual : public FrameResidual {
   void lay_out(ResidualDataAbstract& data) const override;
   bool fits(const ResidualDataAbstract& data) const override;
 
-  /// The name of the contact in ContactModelMultiple, if several contacts are on the frame. Empty: the only contact.
+  /// Returns the name in ContactModelMultiple that selects one of several contacts on the frame. It may be empty if the
+  /// frame has only one contact.
   const std::string& get_contact() const { return contact_; }
   void set_contact(const std::string& name) { contact_ = name; }  // selects the contact by its name
   bool is_fwddyn() const { return true; }                         // always true; Crocoddyl's signature
@@ -35,7 +37,7 @@ class ContactResidual : public FrameResidual {
   /// Throws std::invalid_argument for a frame that does not exist, or unless fwddyn is true.
   ContactResidual(const char* name, std::shared_ptr<StateMultibody> state, FrameIndex id, std::size_t nr,
                   std::size_t nu, bool fwddyn);
-  /// Why a contact of this type does not fit the residual; empty if it fits. By default only 6D contacts fit.
+  /// Returns why a contact of this type does not fit the residual; empty if it fits. By default only 6D contacts fit.
   virtual std::string misfit(ContactType type) const;
   virtual bool is_cone() const { return true; }  // whether the residual is that of a cone
   /// Computes B (nr x nc) and b (nr) for the contact's unit wrenches P. B and b already have these sizes.
@@ -64,7 +66,7 @@ class ResidualModelContactForce : public ResidualWithReference<ContactResidual, 
 /// The rows A f of a friction cone (nf + 1), where f is the linear force.
 class ResidualModelContactFrictionCone : public ResidualWithReference<ContactResidual, FrictionCone> {
  public:
-  /// fref: the cone, whose number of facets remains.
+  /// fref: the cone. Its number of facets determines nr and cannot change later.
   ResidualModelContactFrictionCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const FrictionCone& fref,
                                    std::size_t nu = kDefaultNu, bool fwddyn = true)
       : ResidualWithReference(fref, "ResidualModelContactFrictionCone", std::move(state), id, fref.get_nf() + 1, nu,
@@ -78,7 +80,7 @@ class ResidualModelContactFrictionCone : public ResidualWithReference<ContactRes
 /// The rows A f of a wrench cone (nf + 13), where f is the wrench of a 6D contact.
 class ResidualModelContactWrenchCone : public ResidualWithReference<ContactResidual, WrenchCone> {
  public:
-  /// fref: the cone, whose number of facets remains.
+  /// fref: the cone. Its number of facets determines nr and cannot change later.
   ResidualModelContactWrenchCone(std::shared_ptr<StateMultibody> state, FrameIndex id, const WrenchCone& fref,
                                  std::size_t nu = kDefaultNu, bool fwddyn = true)
       : ResidualWithReference(fref, "ResidualModelContactWrenchCone", std::move(state), id, fref.get_nf() + 13, nu,

@@ -1,7 +1,8 @@
 #pragma once
-// Torques minus the torques that keep the scene at rest under gravity, external wrenches and springs. The torques g(q)
-// compensate gravity. External wrenches and springs exert the torques tau_s(q) at rest (not in Crocoddyl). Names and
-// constructors are Crocoddyl's; nu is nv by default, and nu = 0 throws std::invalid_argument.
+// Residuals of torques: the torques at x, u minus those that keep the scene at rest under gravity, external wrenches
+// and springs. The torques g(q) compensate gravity. External wrenches and springs exert the torques tau_s(q) at rest
+// (not in Crocoddyl). Names and constructors are Crocoddyl's; nu is nv by default, and nu = 0 throws
+// std::invalid_argument.
 
 #include "manycontact/action/residual.hpp"
 
@@ -13,7 +14,7 @@ class GravityResidual : public NamedResidual {
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
   void lay_out(ResidualDataAbstract& data) const override;
   using NamedResidual::calc;
-  /// The residual of a terminal node: tau_s(q) - g(q).
+  /// Computes the residual of a terminal node, tau_s(q) - g(q).
   void calc(const DataPtr& data, const ConstVectorRef& x) override;
   using NamedResidual::differentiate;
   void differentiate(const DataPtr& data, const ConstVectorRef& x) override;

@@ -1,5 +1,5 @@
 #pragma once
-// A sparse matrix that is the sum of small dense blocks; its pattern is computed once.
+// A sparse matrix that is the sum of small dense blocks. Its pattern is computed once.
 
 #include <Eigen/SparseCore>
 #include <vector>
@@ -17,7 +17,7 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
   void finish(int rows, int cols);                      // computes the pattern of all blocks
 
   void set_zero();  // sets all values to zero
-  /// The index of a block's first number in the array of the matrix's values.
+  /// Returns the index of a block's first number in the array of the matrix's values.
   std::size_t entry(std::size_t block) const { return static_cast<std::size_t>(planned_[block].slots[0]); }
   /// Computes matrix += weight * values in the entries of a block. values: as many rows and columns as the block has.
   template <class Derived>
@@ -31,7 +31,7 @@ class BlockSparse {  // A sparse matrix made of dense blocks.
     }
   }
 
-  /// Computes matrix += weight * (selected rows of `values`) in a block; `rows` are as many as the block has.
+  /// Computes matrix += weight * (selected rows of `values`) in a block, which has as many rows as `rows`.
   template <class Derived>
   void add(std::size_t block, double weight, const Eigen::MatrixBase<Derived>& values, const std::vector<int>& rows) {
     double* A = matrix.valuePtr();

@@ -1,6 +1,6 @@
 #pragma once
-// DataCollector: the data of an action model that residuals depend on (scene, its solution, torques, contacts). It
-// corresponds to Crocoddyl's DataCollectorJointActMultibodyInContact.
+// DataCollector contains the data of an action model that residuals depend on: scene, solution, torques and contacts.
+// It corresponds to Crocoddyl's DataCollectorJointActMultibodyInContact.
 
 #include "manycontact/action/actuation.hpp"
 #include "manycontact/action/contact.hpp"
@@ -17,7 +17,8 @@ struct IslandColumns {
   std::vector<int> u;  // the island's columns among nu columns, robots in ascending order
 };
 
-/// The data of an impulse (control/impulse_fwddyn.hpp); DataCollector::solution solves the impulse equations at rest.
+/// The data of an impulse (control/impulse_fwddyn.hpp); DataCollector::solution is the solution of the impulse
+/// equations at rest.
 struct Impact {
   std::vector<Kinematics<double>> motion;  // one entry per robot: kinematics at q and the velocity before the impact
   Eigen::VectorXd vnext;                   // nv: the velocity after the impact
@@ -74,20 +75,20 @@ struct DataCollector {  // The data that residuals depend on.
   std::shared_ptr<ActuationDataAbstract> actuation;
   std::shared_ptr<ContactDataMultiple> contacts;
   std::vector<IslandColumns> islands;  // one entry per island of the solution
-  // Derivatives with respect to state and control, per island: [a; f] x [q | v | u]. Derivatives of a custom actuation
-  // are multiplied in; if the actuation selects coordinates, the panel is the solution's. Throws std::logic_error
-  // unless calcDiff followed the last calc.
+  // panel returns the derivatives of an island with respect to state and control: rows [a; f], columns [q | v | u].
+  // They include the derivatives of a custom actuation. If the actuation selects coordinates, the panel is that of the
+  // solution. Throws std::logic_error unless calcDiff followed the last calc.
   PanelView panel(std::size_t island) const;  // the derivatives described above
   std::vector<RowMajorMatrix> custom;         // panels with a custom actuation, one matrix per island
 
   std::unique_ptr<Impact> impact;  // null unless the model is an impulse
 
-  /// The kinematics of a robot at the x of the last calc.
+  /// Returns the kinematics of a robot at the x of the last calc.
   const Kinematics<double>& kinematics(int robot) const {
     return impact ? impact->motion[static_cast<std::size_t>(robot)] : robot_kinematics(scene, solution, robot);
   }
-  /// The data of the contact model on this frame; `name` selects one of several. Throws std::invalid_argument if there
-  /// is none, or if there are several and no name is given.
+  /// Returns the data of the contact model on this frame; `name` selects one of several contacts. Throws
+  /// std::invalid_argument if there is none, or if there are several and no name is given.
   const ContactDataAbstract& contact_on(FrameIndex frame, const std::string& who, const std::string& name = "") const;
   /// Prepares the solution for the active contacts. The method sparse-bodies is never used, since residuals need
   /// inertias and contact rows in joint space. Deep trees are solved by sparse-ldl instead.

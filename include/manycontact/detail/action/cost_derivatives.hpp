@@ -7,9 +7,9 @@ namespace manycontact {
 /// sparse, and derivatives of the dynamics are not copied (DifferentialActionDataAbstract::panel). kPanel takes the
 /// least memory and time for an IntegratedActionModelEuler of one robot.
 enum class MatrixStorage { kBoth, kDense, kSparse, kPanel };
-/// Whether a storage includes dense matrices.
+/// Returns whether a storage includes dense matrices.
 constexpr bool has_dense(MatrixStorage s) { return s == MatrixStorage::kBoth || s == MatrixStorage::kDense; }
-/// Whether a storage includes sparse Hessians.
+/// Returns whether a storage includes sparse Hessians.
 constexpr bool has_blocks(MatrixStorage s) { return s != MatrixStorage::kDense; }
 
 /// Derivatives of a cost. Unless enabled by the storage, dense matrices are empty and sparse ones have no blocks.

@@ -1,5 +1,6 @@
 #pragma once
-// Groups of residual blocks with the same columns: one product per group gives their Hessians, sum w Rx^T Arr Rx, ...
+// Groups of residual blocks with the same columns. One matrix product per group computes the sum of the Hessians w Rx^T
+// Arr Rx, ... of its blocks.
 
 #include <vector>
 
@@ -36,7 +37,7 @@ struct CostSquare {
   int index;        // number of the cost in the stack
   int row, column;  // row: index in the residual; column: index in x or in u
   bool by_x;
-  std::size_t entry;  // number of its block in the sparse matrix; after lay_out, number of its entry
+  std::size_t entry;  // number of the row's block in the sparse matrix; after lay_out, index of its value
 };
 
 /// A cost of a user-defined class, whose derivatives are whole matrices.

@@ -12,14 +12,14 @@ namespace manycontact {
 // The functions throw std::invalid_argument if the state is not a StateMultibody, or has no such frame. shared: the
 // member `shared` of the data of a residual or cost.
 
-/// The placement oMf of the frame in the world [m].
+/// Returns the placement oMf of the frame in the world [m].
 SE3<double> frame_placement(const StateAbstract& state, const DataCollector& shared, FrameIndex frame);
 
-/// The frame's spatial velocity, linear part first [m/s, rad/s].
+/// Returns the frame's spatial velocity, linear part first [m/s, rad/s].
 Vec6<double> frame_velocity(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                             ReferenceFrame axes = ReferenceFrame::kLocal);
 
-/// The frame's Jacobian J, 6 x nv of the state: frame_velocity = J v. J is also the derivative of the placement with
+/// Returns the frame's Jacobian J (6 x nv), with frame_velocity = J v. J is also the derivative of the placement with
 /// respect to q on the tangent space. Allocates.
 Mat6X<double> frame_jacobian(const StateAbstract& state, const DataCollector& shared, FrameIndex frame,
                              ReferenceFrame axes = ReferenceFrame::kLocal);

@@ -24,7 +24,7 @@ inline constexpr ContactType Contact2D = ContactType::k2D;
 inline constexpr ContactType Contact3D = ContactType::k3D;
 inline constexpr ContactType Contact6D = ContactType::k6D;
 
-/// As an argument: the number of controls is that of the actuation if there is one, otherwise nv.
+/// An argument nu with this value means the number of controls of the actuation, if there is one, otherwise nv.
 inline constexpr std::size_t kDefaultNu = static_cast<std::size_t>(-1);
 
 using Motion = Vec6<double>;  // [linear; angular]
@@ -104,7 +104,7 @@ inline constexpr Range kNotNegative{0, true, kAnySize, "a number that is not neg
 inline constexpr Range kAboveOne{1, false, kAnySize, "a number above 1 is expected"};
 inline constexpr Range kShare{0, false, 1, "a number in (0, 1] is expected"};
 
-/// The numbers first, first + 1, ... (n numbers).
+/// Returns the n numbers first, first + 1, ...
 inline std::vector<int> range(int first, int n) {
   std::vector<int> numbers(static_cast<std::size_t>(n));
   std::iota(numbers.begin(), numbers.end(), first);

@@ -1,8 +1,8 @@
 #pragma once
 // Parts of an action model whose derivatives are central differences of another part, for user-defined parts and for
-// tests; the names are Crocoddyl's. The step is absolute on tangent spaces, and relative to max(1, |u_i|) in u.
-// Standalone parts depend on more than x and u: set_reevals takes functions that update this other data. The functions
-// are called with each x, u before the part's calc, and finally at the point where derivatives are computed.
+// tests. The names are those of Crocoddyl. The step is absolute on tangent spaces, and relative to max(1, |u_i|) in u.
+// Standalone parts depend on more than x and u: set_reevals takes functions that update these further data. The
+// functions are called with each x, u before the part's calc, and finally at the point where derivatives are computed.
 
 #include "manycontact/action/constraint.hpp"
 #include "manycontact/action/cost.hpp"
@@ -10,7 +10,8 @@
 
 namespace manycontact {
 
-/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state by differences; the rest is the state's own.
+/// Differentiates Jdiff, Jintegrate and JintegrateTransport of any state by differences; all other functions are those
+/// of the state.
 class StateNumDiff : public StateAbstract, public internal::Step {
  public:
   explicit StateNumDiff(std::shared_ptr<StateAbstract> state);  // state: the state to differentiate
@@ -131,7 +132,7 @@ class PartNumDiff : public NumDiffOf<Model>, public internal::Reevaluation {
   void calcDiff(const std::shared_ptr<Data>& data, const ConstVectorRef& x) {
     differentiate(data, x, Eigen::VectorXd::Zero(static_cast<Eigen::Index>(get_nu())), true);
   }
-  /// The state that the model was made for.
+  /// Returns the state that the model was made for.
   const std::shared_ptr<StateAbstract>& get_state() const { return model_->get_state(); }
   std::size_t get_nu() const { return model_->get_nu(); }  // number of controls
 

@@ -18,7 +18,8 @@ template <class S>
 struct WorldPoint {
   Vec3<S> p = Vec3<S>::Zero(), rest = Vec3<S>::Zero();
 
-  /// This point relative to `b`, exact up to the last rounding if the two points are close to each other.
+  /// Returns this point relative to `b`. If the points are close to each other, its error is a rounding error of its
+  /// own size.
   Vec3<S> seen_from(const WorldPoint& b) const { return Vec3<S>(p - b.p) + Vec3<S>(rest - b.rest); }
 };
 
@@ -46,7 +47,7 @@ struct Kinematics {
   /// Parameters of a SIMD batch's robots if their models differ (Model::structure); nullptr: they share the model.
   const ModelNumbers<S>* own = nullptr;
 
-  /// The origin, in the world, of the tree frame of a joint's body.
+  /// Returns the origin, in the world, of the tree frame of a joint's body.
   const Vec3<S>& origin(int joint) const { return origins[tree_of[joint]].p; }
 };
 

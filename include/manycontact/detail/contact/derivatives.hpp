@@ -15,7 +15,8 @@
 //
 // for the joints between A and B'; other derivatives are zero. The axes of a world-aligned frame rotate relative to A.
 // For each joint above A, with the angular part th_i of A's motion, dW/dq_i y = W (th_i x y), applied to both parts of
-// y. Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; for nu, x, W see detail/contact/rows.hpp.
+// y. Derived from Singh, Russell, Wensing, arXiv 2105.05102, eq. for da/dq; for nu, x, G, W, X see
+// detail/contact/rows.hpp.
 
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -49,9 +50,9 @@ Vec6<S> turned(const Vec3<S>& th, const Vec6<S>& y) {
   return out;
 }
 
-/// Computes `d`. `kinA`, `kinB`: kinematics after forward_accelerations with the accelerations of the solution; `kinB`
-/// is nullptr if B is in the world. `termsA`, `termsB`: Psid, Psidd, Sv of these robots. `f`: the contact's force in
-/// its reference frame. `data`: from contact_rows at the same accelerations.
+/// Computes the derivatives `d`. `kinA`, `kinB`: kinematics after forward_accelerations with the accelerations of the
+/// solution; `kinB` is nullptr if B is in the world. `termsA`, `termsB`: Psid, Psidd, Sv of these robots. `f`: the
+/// contact's force in its reference frame. `data`: from contact_rows at the same accelerations.
 template <class S>
 void contact_derivatives(const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                          const Kinematics<S>* kinB, const RneaDerivativesOf<S>& termsA,

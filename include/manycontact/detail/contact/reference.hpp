@@ -13,12 +13,11 @@ namespace manycontact {
 void resolve_reference(const Scene& scene, const ConstVectorRef& q, bool position, bool orientation, Contact& contact);
 
 /// Sets the reference placement of every contact of the scene, origin and axes, so that all errors are zero at q
-/// (scene.nq). Scene files without references are read with this. Existing SceneData use the new placements. Throws as
-/// resolve_reference does.
+/// (scene.nq). Existing SceneData use the new placements. Throws as resolve_reference does.
 void resolve_references(Scene& scene, const ConstVectorRef& q);
 
-/// Sets the reference placements of many contacts of one scene at one q. It refers to the scene and q, which must
-/// outlive it. The kinematics of the last two robots are cached.
+/// Sets the reference placements of many contacts of one scene at one q. The object refers to the scene and q, which
+/// must outlive it. The kinematics of the last two robots are cached.
 class ReferenceResolver {
  public:
   ReferenceResolver(const Scene& scene, const Eigen::VectorXd& q);  // q: scene.nq entries

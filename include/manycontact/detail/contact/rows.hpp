@@ -11,8 +11,8 @@
 // clang-format on
 //
 // The axis in A is n, and the axis in B', expressed in A, is m = R_AB' n. If n and m are parallel, m x n vanishes for
-// any rotation of A about n, and its rate is then the part of nu_ang across n. (log6(G) is not used: near half a
-// revolution from B', its rows across n respond to a deviation at a right angle to the actual one.)
+// any rotation of A about n, and its rate is then the part of nu_ang across n. The rows across n do not use log6(G):
+// near half a revolution from B', they would respond to a deviation at a right angle to the actual one.
 //
 // a0 = W x and J = W J_l, where W selects the rows. In local axes the rows are in A's axes. In world axes, W also
 // rotates them by oR_A. Rows of a 5D contact are in A's axes, the angular ones along two unit vectors across n. Columns
@@ -26,15 +26,16 @@
 
 namespace manycontact {
 
-/// Two unit vectors across a unit axis, as rows. With the axis they are a right-handed basis: x and y for the axis z.
+/// Returns two unit vectors orthogonal to a unit axis, as rows. With the axis they form a right-handed basis; for the
+/// axis z they are x and y.
 Eigen::Matrix<double, 2, 3> across(const Vec3<double>& axis);
 
-/// Whether the axes of a contact's rows are the world's, so that they rotate relative to A.
+/// Returns whether the axes of a contact's rows are the world's, so that they rotate relative to A.
 inline bool rows_turn(const Contact& contact) {
   return contact.reference_frame != ReferenceFrame::kLocal && contact.type != ContactType::k5D;
 }
 
-/// The velocity coordinates that move a joint's body, ascending; empty for joint -1.
+/// Returns the velocity coordinates that move a joint's body, ascending; empty for joint -1.
 std::vector<int> dof_chain(const Model& model, int joint);
 
 /// The velocity coordinates that a contact acts on, numbered within their robots, ascending. a: coordinates that move A
@@ -49,7 +50,7 @@ ContactSupport contact_support(const Scene& scene, const Contact& contact);  // 
 /// bodies' relative motion, in the pair's frame A, to the rows of these contacts; Q has orthonormal columns.
 template <class S>
 struct PairNumbers {
-  // On the heap, since kernels for other SIMD levels, with other alignment, read these matrices.
+  // These matrices are on the heap, because kernels for other SIMD levels, with another alignment, read them.
   MatX<S> Q;              // (rows of all contacts) x rank, orthonormal columns
   MatX<S> R;              // rank x 6: Q^T B
   MatX<S> R_right;        // 6 x rank, right inverse: R R_right = 1
@@ -95,8 +96,8 @@ void take_places(const Contact& contact, ContactData<S>& data) {
   if (contact.pair) take_pair<S>(contact, data);
 }
 
-/// The placement error of a contact, from G = B'MA, in A's axes [m, rad], times a gain: log6(G) for 6D, G_R^T G_p for
-/// points. For hinges m x n is added, the rotation between their axes n and m = G_R^T n. W selects its rows.
+/// Returns the placement error of a contact, from G = B'MA, in A's axes [m, rad], times a gain: log6(G) for 6D, G_R^T
+/// G_p for points. For hinges m x n is added, the rotation between their axes n and m = G_R^T n. W selects its rows.
 template <class S>
 Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S(1));
 
@@ -104,7 +105,8 @@ Vec6<S> contact_error(const Contact& contact, const SE3<S>& G, const S& gain = S
 template <class S>
 void contact_motion(const Contact& contact, ContactData<S>& data);
 
-/// Computes joint_lever of the joints above A (support: ContactSupport::a) or above B' (ContactSupport::b).
+/// Computes the part of ContactData::joint_lever that is due to the joints above A (support: ContactSupport::a) or
+/// above B' (ContactSupport::b).
 template <class S>
 S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<int>& support) {
   using std::abs;
@@ -117,8 +119,8 @@ S joint_lever(const Model& model, const Kinematics<S>& kin, const std::vector<in
   return largest;
 }
 
-/// Computes `data`, the rows of a contact. kinA, kinB: kinematics of the robots of A and B after forward_accelerations;
-/// kinB is nullptr if B is in the world.
+/// Computes the constraint rows of a contact and the other members of `data`. kinA, kinB: kinematics of the robots of A
+/// and B after forward_accelerations; kinB is nullptr if B is in the world.
 template <class S>
 void contact_rows(const Scene& scene, const Contact& contact, const ContactSupport& support, const Kinematics<S>& kinA,
                   const Kinematics<S>* kinB, ContactData<S>& data);
@@ -156,8 +158,8 @@ MotionSizes<S> motion_sizes(const Contact& contact, const ContactData<S>& data) 
   return {moved, turning, larger(S(turning * lever / S(100)), moved)};
 }
 
-/// The reference magnitude of a contact's rows: the largest entry of J_l for the contact's point or frame. A row that
-/// is tiny relative to this may be pure rounding error. Call it after contact_rows.
+/// Returns the reference magnitude of a contact's rows: the largest entry of J_l for the contact's point or frame. A
+/// row that is tiny relative to this magnitude may consist of rounding errors. Call it after contact_rows.
 template <class S>
 S motion_scale(const Contact& contact, const ContactData<S>& data) {
   const MotionSizes<S> of = motion_sizes<S>(contact, data);

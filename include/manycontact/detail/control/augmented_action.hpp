@@ -35,14 +35,14 @@ class ActionModelAugmentedLagrangian
   void print(std::ostream& os) const override { os << kName << " {penalty=" << rho_ << ", " << *model_ << "}"; }
 
   const std::shared_ptr<ActionModelAbstract>& get_model() const { return model_; }  // the original model
-  /// The multipliers y of [g; h], initially zeros; in a terminal node, of its terminal constraints. calc throws
-  /// std::invalid_argument if their number differs from the number of constraints.
+  /// Returns the multipliers y of [g; h], in a terminal node those of its terminal constraints. They are initially
+  /// zeros. calc throws std::invalid_argument if their number differs from the number of constraints.
   const Eigen::VectorXd& get_multipliers() const { return y_; }
   double get_penalty() const { return rho_; }                 // initially 10
   void set_multipliers(const Eigen::VectorXd& y) { y_ = y; }  // see get_multipliers
   void set_penalty(double rho);                               // rho > 0; otherwise throws std::invalid_argument
-  /// Whether the cost contains l, the original node's cost; initially true. If false, with y = 0 and rho = 1, the cost
-  /// is half the squared violation.
+  /// Returns whether the cost contains l, the original node's cost; initially true. If false, with y = 0 and rho = 1,
+  /// the cost is half the squared violation.
   bool get_with_cost() const { return with_cost_; }
   void set_with_cost(bool with_cost) { with_cost_ = with_cost; }  // see get_with_cost
 
@@ -61,7 +61,7 @@ struct ActionDataAugmentedLagrangian : ActionDataAbstract {  // Data of ActionMo
                                          std::shared_ptr<ActionDataAbstract> inner = nullptr);
   std::shared_ptr<ActionDataAbstract> inner;  // data of the original model
   Eigen::VectorXd y_next;                     // y+: the multiplier update, set by calc
-  std::vector<double> panel, product;         // sqrt(rho) [C_A of u, C_A of x] by rows, and its square
+  std::vector<double> panel, product;         // P: rows sqrt(rho) [dc/du dc/dx] of active rows; P^T P
 };
 
 }  // namespace manycontact

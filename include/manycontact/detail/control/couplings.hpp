@@ -37,7 +37,7 @@ struct Coupling {
 /// Lists the active contacts between robots of different subproblems. robots: the robots' numbers, per subproblem.
 /// Throws std::invalid_argument for a contact whose A or B cannot move.
 std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<std::vector<int>>& robots);
-/// The wrenches on subproblem `part`, in the order of its couplings, for its ActuationModelWrenches.
+/// Returns the wrenches on subproblem `part`, in the order of its couplings, for its ActuationModelWrenches.
 std::vector<WrenchEnd> wrench_ends(const Scene& scene, const std::vector<Coupling>& couplings,
                                    const std::vector<std::vector<int>>& robots, int part);
 
@@ -52,11 +52,11 @@ class Couplings {
 
   const Scene& scene() const { return scene_; }                          // all robots, with gravity
   const std::vector<Coupling>& couplings() const { return couplings_; }  // by the number of their contacts
-  /// The couplings of each subproblem, in the order of its wrenches.
+  /// Returns the couplings of each subproblem, in the order of its wrenches.
   const std::vector<std::vector<int>>& couplings_of_parts() const { return couplings_of_; }
-  /// The name of a coupling's contact.
+  /// Returns the name of a coupling's contact.
   const std::string& name(std::size_t coupling) const { return scene_.contacts[couplings_[coupling].contact].name; }
-  /// The force on frame A of a coupling at the last solve, in the contact's reference frame [N, N m].
+  /// Returns the force on frame A of a coupling at the last solve, in the contact's reference frame [N, N m].
   Eigen::VectorXd force(std::size_t coupling, const CouplingData& data) const;
 
   /// Solves the dynamics of the whole scene, and stores the controls and wrenches of the subproblems in d.u.

@@ -1,6 +1,7 @@
 #pragma once
-// Limited-memory BFGS for a given inverse Hessian H0. The product r = H g of the gradient g takes two loops over the
-// last pairs of steps s_i and gradient changes y_i (Nocedal & Wright, Numerical Optimization, algorithm 7.4),
+// Limited-memory BFGS, an estimate H of the inverse Hessian, from a given initial inverse Hessian H0. The product r = H
+// g of the gradient g takes two loops over the last pairs of steps s_i and gradient changes y_i (Nocedal & Wright,
+// Numerical Optimization, algorithm 7.4),
 //
 //     q = g;     a_i = s_i^T q / s_i^T y_i,   q <- q - a_i y_i      newest pair first
 //     r = H0 q;  b_i = y_i^T r / s_i^T y_i,   r <- r + (a_i - b_i) s_i    oldest pair first
@@ -25,7 +26,7 @@ class LimitedBfgs {  // An inverse Hessian H estimated from gradients.
   /// Adds the pair s = step * direction, y = g_next - g. Pairs without positive curvature s^T y are not added.
   void add(double step, const Vectors& direction, const Vectors& g, const Vectors& g_next);
 
-  /// begin: the first loop, from q = g. The caller then applies H0, and calls `finish` for the second loop on r.
+  /// begin runs the first loop, from q = g. The caller then applies H0, and finish runs the second loop on r = H0 q.
   void begin(Vectors& q);
   void finish(Vectors& r) const;
 
@@ -42,7 +43,7 @@ class LimitedBfgs {  // An inverse Hessian H estimated from gradients.
   std::vector<Pair> pairs_;
 };
 
-/// The sum of a_t^T b_t over the nodes t.
+/// Returns the sum of a_t^T b_t over the nodes t.
 double dot(const std::vector<Eigen::VectorXd>& a, const std::vector<Eigen::VectorXd>& b);
 
 }  // namespace manycontact

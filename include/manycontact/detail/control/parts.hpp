@@ -30,7 +30,7 @@ struct ActionDataParts : ActionDataAbstract {  // Data of ActionModelParts, subp
   bool has_matrices() const override { return Fx.size() > 0; }
 };
 
-/// Subproblems of a scene as one node. calcDiff collects derivatives from the subproblems' data; these may have been
+/// Subproblems of a scene as one node. calcDiff collects derivatives from the subproblems' data, also if these were
 /// evaluated separately before.
 class ActionModelParts : public NodeWithData<ActionModelParts, ActionModelAbstract, ActionDataParts> {
  public:
@@ -61,7 +61,7 @@ class ActionModelParts : public NodeWithData<ActionModelParts, ActionModelAbstra
   const Eigen::VectorXd& get_g_ub_T() const override { return g_ub_T_; }
 
   const std::vector<ActionPart>& get_parts() const { return parts_; }  // the subproblems
-  /// The couplings of the node; null for decoupled subproblems.
+  /// Returns the couplings of the node; null for decoupled subproblems.
   const std::shared_ptr<const Couplings>& get_couplings() const { return couplings_; }
   /// Makes a node with other models for the subproblems, and the indices, limits and storage of this node.
   std::shared_ptr<ActionModelParts> with_models(std::vector<ActionPart> parts) const;

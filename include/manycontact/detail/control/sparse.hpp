@@ -10,7 +10,7 @@
 // results do not depend on their number. A subproblem with couplings uses another linear solver, and its gains differ.
 //
 // With limits the iterates are those of SolverBoxFDDP. Quu and the box are block diagonal, so the box QP of a node
-// splits into one QP per subproblem. (Each of these is solved to the tolerance of the whole QP.)
+// splits into one QP per subproblem. Each of these QPs is solved to the tolerance of the whole QP.
 
 #include "manycontact/control/fddp.hpp"
 
@@ -21,20 +21,20 @@ namespace manycontact {
 /// stored, which halves the memory of a node.
 class SolverSparse : public SolverFDDP {
  public:
-  /// limits: controls stay within the models' limits. Throws std::invalid_argument if nodes have different subproblems
-  /// (see `separate`), and for limits of nodes with couplings without dense matrices. (With dense matrices, coupled
-  /// subproblems become one dense subproblem, whose steps are those of SolverBoxFDDP.) A problem without
-  /// ActionModelParts has one subproblem.
+  /// limits: whether controls stay within the models' limits. Throws std::invalid_argument if nodes have different
+  /// subproblems (see `separate`), and for limits with nodes that have couplings but no dense matrices. With dense
+  /// matrices, coupled subproblems become one dense subproblem, whose steps are those of SolverBoxFDDP. A problem
+  /// without ActionModelParts has one subproblem.
   explicit SolverSparse(std::shared_ptr<ShootingProblem> problem, bool limits = false);
 
   /// Adapts the memory after nodes were replaced, as in a receding horizon. Subproblems with unchanged coordinates keep
   /// their memory; subproblems with couplings are set up again.
   void allocateData() override;
 
-  /// Number of controls of each subproblem, or of each cluster of a subproblem with couplings: the sizes of the
-  /// matrices Quu that are factorized at a node.
+  /// Returns the number of controls of each subproblem, or of each cluster of a subproblem with couplings: the sizes of
+  /// the matrices Quu that are factorized at a node.
   std::vector<int> blocks() const;
-  /// The method of search directions: "Riccati"; with couplings, the name of the lq::DirectionSolver.
+  /// Returns the method of search directions: "Riccati"; with couplings, the name of the lq::DirectionSolver.
   std::string direction() const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// StateVector: states in a vector space, x (+) dx = x + dx, nx = ndx; the name is Crocoddyl's.
+// StateVector describes states in a vector space, x (+) dx = x + dx with nx = ndx. The name is Crocoddyl's.
 
 #include "manycontact/action/state.hpp"
 
@@ -10,7 +10,7 @@ class StateVector : public StateAbstract {  // States that form a vector space.
   explicit StateVector(std::size_t nx) : StateAbstract(nx, nx) {}  // number of coordinates
 
   Eigen::VectorXd zero() const override { return Eigen::VectorXd::Zero(nx_); }
-  /// A random state with entries between -1 and 1.
+  /// Returns a random state with entries between -1 and 1.
   Eigen::VectorXd rand() const override;
   void diff(const ConstVectorRef& x0, const ConstVectorRef& x1, VectorRef dxout) const override;
   void integrate(const ConstVectorRef& x, const ConstVectorRef& dx, VectorRef xout) const override;

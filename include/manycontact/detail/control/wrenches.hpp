@@ -13,7 +13,7 @@
 
 namespace manycontact {
 
-/// The body on which a wrench acts; sign -1: the opposite wrench acts on the body.
+/// The body on which a wrench acts. With sign -1 the opposite wrench acts on the body.
 struct WrenchEnd {
   int robot = 0, joint = 0;  // numbers in the state's scene
   double sign = 1;
@@ -29,7 +29,8 @@ struct ActuationDataWrenches : ActuationDataAbstract {  // Data of ActuationMode
 
 class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of coordinates, and wrenches on bodies.
  public:
-  /// own: an actuation that selects coordinates. Throws std::invalid_argument for other ones or for an unknown body.
+  /// own: an actuation that selects coordinates. Throws std::invalid_argument for other actuations or for an unknown
+  /// body.
   ActuationModelWrenches(std::shared_ptr<StateMultibody> state, std::shared_ptr<ActuationModelAbstract> own,
                          std::vector<WrenchEnd> ends);
 
@@ -37,7 +38,7 @@ class ActuationModelWrenches : public ActuationModelAbstract {  // Torques of co
   /// Computes the derivatives at the x and u of the last calc.
   void calcDiff(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
   using ActuationModelAbstract::calc, ActuationModelAbstract::calcDiff;
-  /// Not available: both throw std::logic_error.
+  /// Throw std::logic_error, because these functions are not available for wrenches.
   void commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;
   void torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) override;
   std::shared_ptr<ActuationDataAbstract> createData() override;

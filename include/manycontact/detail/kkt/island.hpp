@@ -1,6 +1,6 @@
 #pragma once
-// Islands: sets of robots that are coupled by active contacts. Each island has a KKT system of its own. Contacts with
-// the world, or with a body that is fixed to the world, do not couple robots.
+// Islands are sets of robots that are coupled by active contacts or by springs. Each island has a KKT system of its
+// own. Contacts with the world, or with a body that is fixed to the world, do not couple robots.
 
 #include <vector>
 
@@ -19,26 +19,28 @@ struct Island {
   int size() const { return nv + nc; }  // number of rows of K
 };
 
-/// Whether a contact couples the motions of two bodies, so that their robots share an island.
+/// Returns whether a contact couples the motions of two bodies, so that their robots share an island.
 inline bool joins_robots(const Contact& contact) { return moves(contact.A) && moves(contact.B); }
-/// Whether a spring couples two bodies. It adds no rows to K, but derivatives then have blocks between the robots.
+/// Returns whether a spring couples two bodies. It adds no rows to K, but derivatives then have blocks between the
+/// robots.
 inline bool joins_robots(const Spring& spring) { return moves(spring.A) && moves(spring.B); }
-/// The robot to whose island a contact belongs: the robot of A or, if A cannot move, the robot of B.
+/// Returns the robot to whose island a contact belongs: the robot of A or, if A cannot move, the robot of B.
 inline int robot_of(const Contact& contact) { return moves(contact.A) ? contact.A.robot : contact.B.robot; }
 
 /// Finds the islands of the scene with its springs and the given active contacts (one flag per contact), sorted by
 /// their first robots. The cost is linear in the numbers of robots and contacts.
 std::vector<Island> find_islands(const Scene& scene, const std::vector<char>& active);
 
-/// One island of all robots and all active contacts of the scene, coupled or not.
+/// Returns one island of all robots and all active contacts of the scene, coupled or not.
 Island whole_scene(const Scene& scene, const std::vector<char>& active);
 
 /// Computes dof_offset, row_offset, nv and nc from robots and contacts.
 void number_island(const Scene& scene, Island& island);
 
-/// The index of a robot in island.robots; the robot must be part of the island.
+/// Returns the index of a robot in island.robots; the robot must be part of the island.
 int local_robot(const Island& island, int robot);
-/// The first coordinate in the island of the robot to which an end of a contact is attached; 0 if the end cannot move.
+/// Returns the first coordinate in the island of the robot to which an end of a contact is attached; 0 if the end
+/// cannot move.
 int first_dof(const Island& island, const Attachment& end);
 
 // The functions below map coordinates of an island to those of the scene, by robot or contact.

@@ -1,6 +1,6 @@
 #pragma once
-// The inputs of solve as a scene has them initially: torques of all coordinates, flags of contacts, external wrenches;
-// and functions that move external wrenches and springs between scenes that are made of other scenes.
+// The initial inputs of solve that a scene defines: torques of all coordinates, flags of contacts, and external
+// wrenches. Further functions copy external wrenches and springs to scenes that are composed of robots of other scenes.
 
 #include "manycontact/model/scene.hpp"
 
@@ -27,7 +27,7 @@ inline std::vector<Vec6<double>> external_wrenches(const Scene& scene) {
   return wrenches;
 }
 
-/// Removes external wrenches and springs: the scene then moves by gravity, motors and contacts alone.
+/// Removes external wrenches and springs, so that only gravity, motors and contacts act on the scene.
 void drop_applied_forces(Scene& scene);
 
 /// Adds to `to` the external wrenches and springs of `from` whose robots are in `to`, even if names repeat. robot_at:

@@ -1,10 +1,10 @@
 #pragma once
 // Momentum of groups of bodies that have no connection to the world.
 //
-// In a robot's own coordinates, semi-implicit Euler loses momentum by an error of first order: inertias change within a
-// step, but its bias forces are those at the start of the step. The exact rate of momentum is known, however. Bodies
-// connected to each other by joints and contacts, but not to the world, form a group. Let m be the group's mass, P its
-// momentum, C its centre of mass and L its angular momentum about C. In a step of size h
+// In a robot's own coordinates, semi-implicit Euler loses momentum by an error of first order. The reason is that
+// inertias change within a step, but the bias forces are those at the start of the step. The exact rate of momentum is
+// known, however. Bodies connected to each other by joints and contacts, but not to the world, form a group. Let m be
+// the group's mass, P its momentum, C its centre of mass and L its angular momentum about C. In a step of size h
 //
 //     P+ = P + h F        C+ = C + h P+ / m        L+ = L + h T
 //

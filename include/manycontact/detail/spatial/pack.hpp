@@ -1,10 +1,10 @@
 #pragma once
-// Pack: a SIMD vector of W numbers (double or float), one per robot of a batch. It is a scalar of the templates of the
-// forward path.
-// Operations are element by element, in the order in which they are written. The result of a robot is therefore bitwise
-// independent of W and of the other robots; a Pack of 1 is used for a single robot. Compile with -ffp-contract=off, so
-// that the compiler does not fuse products and sums; `multiply_add` is fused if the processor can do so. The types are
-// vector extensions of GCC and clang, as wide as registers of the instruction set.
+// Pack is a SIMD vector of W numbers (double or float), one per robot of a batch. It serves as scalar type of the
+// templates from kinematics to the solution (spatial/scalar.hpp). Operations act on each element alone, in the order in
+// which they are written. The result of a robot is therefore bitwise independent of W and of the other robots. A Pack
+// of width 1 is used for a single robot. Compile with -ffp-contract=off, so that the compiler does not fuse products
+// and sums; `multiply_add` is fused if the processor can do so. The types are vector extensions of GCC and clang, as
+// wide as registers of the instruction set.
 
 #include <cmath>
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 #include <Eigen/Core>
 
-#ifndef MANYCONTACT_LANES  // with MANYCONTACT_LANES, each level has its own memory
+#ifndef MANYCONTACT_LANES  // the code of a SIMD level shares no Eigen memory with its callers
 #include "manycontact/abi.hpp"
 #endif
 
@@ -74,14 +74,15 @@ struct Pack {
   Real v;
 
   Pack() = default;
-  // Explicit, as compilers would copy packs bytewise: a load of a whole pack stalls after bytewise stores.
+  // The copies are written out, because compilers would copy packs bytewise, and a load of a whole pack stalls after
+  // bytewise stores.
   [[gnu::always_inline]] Pack(const Pack& b) : v(b.v) {}
   [[gnu::always_inline]] Pack& operator=(const Pack& b) {
     v = b.v;
     return *this;
   }
   Pack(double x) : v(Real{} + static_cast<E>(x)) {}  // NOLINT: implicit conversion is intended
-  /// Converts a pack of the other element type; rounds if the other type is double.
+  /// Converts a pack of the other element type. Doubles are rounded to floats.
   template <class Other>
     requires(!std::is_same_v<Other, E>)
   explicit Pack(const Pack<W, Other>& b) {
@@ -234,11 +235,12 @@ inline void transpose(Pack<W, E>* x) {
   if constexpr (W > 1) detail::exchange<W / 2>(x);
 }
 
-/// Largest angles [rad] for which sin_cos is accurate to one unit in the last place; it gives NaN for larger angles.
+/// The largest angles [rad] for which sin_cos computes results; it returns NaN for larger angles. Errors are at most
+/// one unit in the last place for doubles and two for floats.
 inline constexpr double kLargestAngle = 1e6, kLargestFloatAngle = 1e3;
 
 namespace detail {
-/// Computes s and c of an angle from sine and cosine of its remainder in `quadrant`; NaN where `known` is false.
+/// Computes sine s and cosine c of an angle from those of its remainder in `quadrant`; NaN where `known` is false.
 template <int W, class E>
 [[gnu::always_inline]] inline void turn(typename Pack<W, E>::Int quadrant, typename Pack<W, E>::Mask known,
                                         Pack<W, E> sine, Pack<W, E> cosine, Pack<W, E>& s, Pack<W, E>& c) {
@@ -265,7 +267,7 @@ template <int W>
 [[gnu::always_inline]] inline void sin_cos(Pack<W> angle, Pack<W>& s, Pack<W>& c) {
   using P = Pack<W>;
   using Int = typename P::Int;
-  // n = round(2 angle / pi), also found in the low bits of `shifted`; angle - n pi/2 = y + tail
+  // n = round(2 angle / pi) is also in the low bits of `shifted`. The remainder is angle - n pi/2 = y + tail
   const P shift = 6755399441055744.0;  // 1.5 * 2^52
   const P shifted = angle * P(6.36619772367581382433e-01) + shift;
   const P n = shifted - shift;

@@ -1,6 +1,6 @@
 #pragma once
-// Small products as chains of multiply_add. Sums are fused explicitly, since the compiler would fuse differently for
-// each pack width. The functions are always inlined, as calls would pass packs through memory.
+// Small products as chains of multiply_add. Products and sums are fused explicitly, since the compiler would fuse them
+// differently for each pack width. The functions are always inlined, as calls would pass packs through memory.
 
 #include "manycontact/spatial/scalar.hpp"
 
