@@ -41,8 +41,8 @@ S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   return select(absolute(m) <= rounding * terms, S(0), m);
 }
 
-/// Computes M. M_ii is zero if within rounding error, e.g. for a point mass on a joint's axis, which tests of pivots
-/// might miss, as nothing cancels there. slot: index in M of each entry; nullptr: packed (crba.hpp).
+/// Computes M. An M_ii within its rounding error becomes zero, e.g. for a point mass on a joint's axis: tests of pivots
+/// might accept this M_ii, as no terms cancel in it. slot: index of each entry in M; nullptr: packed (crba.hpp).
 template <class S>
 void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
   if (slot)

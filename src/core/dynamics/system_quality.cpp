@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the current solution x = [a; y] of K x = b in elimination order, with y = -S^-1 f for the row weights S.
+// Returns the current solution x = [a; y] of K x = b in elimination order, where y = -S^-1 f and S are the row weights.
 std::vector<double> given_solution(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();

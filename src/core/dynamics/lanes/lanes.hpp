@@ -36,7 +36,8 @@ struct Sampled {
   int column;
   double* b;
 };
-/// Output of derivatives: columns K_r^-1 [E, B_r] of one robot, rows of f, not -f; IslandDerivatives::X if it is alone.
+/// Output of derivatives: the columns K_r^-1 [E, B_r] of one robot, with f instead of -f. For a single-robot island
+/// this is IslandDerivatives::X.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
@@ -83,7 +84,7 @@ class RobotBlocks {
     int number;           // number of the robot in the scene
     const int* contacts;  // contacts on the robot alone, as numbered in the scene
     // Members that only coupled robots use.
-    double* joins = nullptr;  // one JoinedEnd per coupling contact, later J's columns of this robot; until `factor`
+    double* joins = nullptr;  // one JoinedEnd per coupling contact, then the robot's columns of J; until `factor`
     double* ends = nullptr;   // one MovingEnd per coupling contact, later EndForce in its place
     const double *x = nullptr, *b = nullptr;  // inputs of `check`, in the order of the plan's island
     Border border = {};
@@ -155,7 +156,7 @@ class InterfaceContacts {
   };
 
   virtual ~InterfaceContacts() = default;
-  // All contacts of a call must be `alike_rows`.
+  // All contacts of a call must satisfy alike_rows.
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };

@@ -30,7 +30,7 @@ std::string counts(const char* what, std::size_t was, std::size_t is) {
 
 }  // namespace
 
-// Returns the name of a property that must not change under data in use (data.hpp) but did; nullptr if none.
+// Returns the name of a property that changed though it must not while data are in use (data.hpp); nullptr if none.
 const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
   if (was.type != is.type) return "type";
   if (was.robot_A != is.A.robot || was.joint_A != is.A.joint) return "body A";

@@ -27,7 +27,8 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags rows of S with nonzero right-hand sides in columns first ... first+cols-1. columns_of(r): where B_r is nonzero.
+// Flags the rows of S that a forward substitution fills in columns first ... first+cols-1. columns_of(r): columns where
+// B_r is nonzero.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -222,7 +223,7 @@ void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member)
     if (r.sampled[j].in_X == s) member.b = r.B.data() + j * r.size();
 }
 
-// Whether every sampled column solves K X = B with a componentwise backward error up to half the limit of derivatives.
+// Whether each sampled column solves K X = B with a componentwise backward error up to half the limit for derivatives.
 bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, const AlignedPanel& X) {
   RobotsDerivatives& by = *system.derivatives;
   RobotsDerivatives::Sample& sample = by.sample;
