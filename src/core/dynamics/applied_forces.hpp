@@ -43,10 +43,12 @@ bool lacks_direction(const Scene& scene, const Workspace& w, const Island& islan
 
 /// Changes a request such that torques on all coordinates are variables, as join_applied_forces needs.
 DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Adds derivatives of applied torques to those of by_all_torques(request), and removes columns not in `request`.
+/// Adds derivatives with respect to q, v and wrenches through torques of wrenches and springs to those computed for
+/// by_all_torques(request), and removes columns not in `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// Adds the derivatives of applied torques to the right-hand sides R.X, and J_F^T to R.W. R: allocated by lay_out.
+/// Adds the derivatives of the torques of wrenches and springs to the right-hand sides R.X (with respect to q and v)
+/// and R.W (wrenches). R: allocated by lay_out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
 /// Returns magnitudes of the torques of wrenches and springs and of their derivatives, per coordinate of the scene.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);

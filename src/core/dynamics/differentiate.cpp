@@ -87,8 +87,9 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 }
 
 // Differentiates an island outside SIMD batches: robot by robot if that is cheaper, else by the system that solved or
-// by MatrixSystem. If sparse-bodies solved, MatrixSystem is first unless K is too large for the dense reference solver:
-// sparse-bodies solves column by column, which takes 4 to 70 times as long as a sparse factor of K.
+// by MatrixSystem. If sparse-bodies solved, MatrixSystem is tried first, unless K is too large
+// (kDifferentiatedByMatrix): sparse-bodies solves column by column, which takes 4 to 70 times as long as a sparse
+// factor of K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

@@ -20,7 +20,7 @@ void prepare_islands(const Scene& scene, const SceneData& data);
 /// Returns why this island's input cannot be used; kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
-/// Resets an island's report to its state before a solve; keeps the capacity of dependent_rows.
+/// Resets a report to that of an unsolved island; keeps the capacity of dependent_rows.
 void reset(IslandReport& report, const Island& island);
 /// Sets report.dependent_rows to the sorted indices in data.f of the island's constraint rows `rows`.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);

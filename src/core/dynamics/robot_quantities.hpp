@@ -31,7 +31,7 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
   inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
 }
 
-/// Returns m, or zero if m is within its rounding error; m = M_ii of motion column J and composite inertia Y.
+/// Returns m, or zero if m is within its rounding error. m: M_ii, from the motion column J and composite inertia Y.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   double eps = std::numeric_limits<double>::epsilon();

@@ -24,7 +24,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
                                [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
-  s.tau.setZero();  // used as zero velocities first
+  s.tau.setZero();  // serves as zero velocities below
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     s.kin[r] = robot_kinematics(scene, data, r);

@@ -290,7 +290,8 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Excludes islands whose rows are dependent only by rounding of the state, as J has another rank in double-double.
+// Excludes islands whose rows are dependent only up to the rounding of the state, so that J has another rank in
+// double-double.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);

@@ -18,7 +18,7 @@
 
 namespace manycontact::lanes {
 
-/// Inputs and outputs of a solve in the scene's coordinates. serial: Solution::serial of the solution.
+/// Inputs and outputs of a solve in the scene's coordinates. serial: number of the solution (Solution::serial).
 struct Job {
   const Scene& scene;
   std::uint64_t serial;
@@ -71,7 +71,7 @@ struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // see IslandReport
-  // Whether derivatives and products by this factor need no check; whether derivatives need a refinement.
+  // panel_is_safe: derivatives and products by this factor need no check. refine_panel: derivatives need refinement.
   bool panel_is_safe = false, refine_panel = false;
   std::span<const int> dependent;             // dependent rows, in the order of the plan's K
   rank::Contradiction<double> contradiction;  // set if any row is dependent
@@ -115,7 +115,8 @@ class RobotBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// Factorizes K, sets x = 0, and computes each robot's part of S and of the border's right-hand side.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// Sets x += K^-1 (r - G^T y), y the step in the border; then r = b - K x, and the parts of the border's residual.
+  /// Sets x += K^-1 (r - G^T y), where y is the step in the border, then r = b - K x, and parts of the border's
+  /// residual.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Writes job.a, and job.f of contacts on single robots.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -179,7 +180,7 @@ struct SingleLevel {
 struct Level {
   int width;
   std::unique_ptr<RobotBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
-  /// contact: any contact of the kind to evaluate; scene: its scene.
+  /// contact: any contact of the kind that the kernel is to evaluate; scene: the contact's scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
   /// Returns nullptr if the level is not for SIMD batches.

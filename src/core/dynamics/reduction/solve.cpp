@@ -47,8 +47,8 @@ void each_single(const SceneData& data, const Reduction& r, Use&& use) {
 const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
 
 // Adds forces in the null space of damped pairs' J^T, f += (prescribed - left) / delta, since only damping limits
-// these. left: inconsistency of a pair's contacts (ContactData::left). `wanted` counts as far as the pair does not
-// prescribe it.
+// these. left: inconsistency of a pair's contacts (ContactData::left). Of the prescribed accelerations `wanted`, only
+// the part counts that is outside the span of the pair's rows.
 void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {

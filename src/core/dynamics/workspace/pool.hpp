@@ -21,7 +21,8 @@ class IslandPool {
   /// Adds an island. now: Workspace::layout, which counts as the time of the island's last use.
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
   void clear();
-  /// Above `most` bytes, deletes the least recently used islands until half remains. Returns whether it deleted any.
+  /// If the islands exceed `most` bytes, deletes the least recently used until at most half of `most` remains. Returns
+  /// whether any were deleted.
   bool trim();
 
   /// Calls use(island) for all islands of the pool.

@@ -1,4 +1,5 @@
-// Updates the islands of a contact set: only islands with switched contacts change, and shapes are analysed once.
+// Updates the islands after contacts were switched. Only islands with switched contacts change; shapes are analysed
+// once.
 
 #include <algorithm>
 #include <set>

@@ -150,7 +150,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // sizes of right-hand sides, of this band, of the largest
+  std::size_t count = 0, at = 0, most = 0;  // sizes: of right-hand sides, of this band, of the largest band
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;

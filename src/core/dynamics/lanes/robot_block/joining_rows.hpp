@@ -94,7 +94,8 @@ class JoiningRows {
     });
   }
 
-  /// The steps for the listed rows, before and after the caller's x <- K1^-1 x, for C columns, row-major.
+  /// Extend a solve to the listed rows. Call `before`, then overwrite x with K1^-1 x, then call `after`. x: C columns,
+  /// row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;

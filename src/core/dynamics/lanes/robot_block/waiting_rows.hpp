@@ -80,7 +80,8 @@ class WaitingRows {
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// The steps for joined rows, before and after the caller's x <- K1^-1 x, for C columns.
+  /// Extend a solve to the joined rows: call before_solve, then overwrite x with K1^-1 x, then call after_solve. x: C
+  /// columns, row-major.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);
@@ -334,7 +335,8 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
 
-/// Sets column c of N to e_k - z, k the waiting row, where L^T z = l_k over the rows of J before k; l_k: row k of L.
+/// Sets column c of N to e_k - z for the waiting row k. L^T z = l_k over the rows of J before k, where l_k is row k of
+/// L.
 template <class S>
 void WaitingRows<S>::null_column(int c, const S* L) {
   for (int k : of_J_) x_[k] = N(c, k) = S(0);

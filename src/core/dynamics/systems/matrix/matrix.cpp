@@ -133,7 +133,7 @@ bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, Threa
 
 namespace {
 
-// Computes the panel of derivatives by the current factor. Returns whether it is accurate.
+// Computes the panel of derivatives by the current factor. Returns whether the panel is accurate.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
@@ -188,7 +188,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// Calls answer() and returns its result. If it is false, factorizes by the dense reference solver and tries again.
+// Calls answer() and returns its result. If that is false, factorizes by the dense reference solver and tries again.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

@@ -20,7 +20,7 @@ struct ProductWork;
 
 /// Workspace of derivatives and products of an island with dependent rows.
 struct DependentDerivatives {
-  Eigen::VectorXd y;                     // nv: any solution of J y = f, f the contact forces
+  Eigen::VectorXd y;                     // nv: any solution of J y = f, where f are the contact forces
   bool known = false;                    // whether y was computed for the current solution
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
   // set by take_columns
@@ -126,7 +126,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
 void make_robot(const Scene& scene, Workspace& work, int robot);
 /// Whether the robot's terms were evaluated at the current state.
 bool is_evaluated(const Workspace& work, int robot);
-/// Allocates the joint-space terms of an island at the first call. Throws std::length_error beyond 2^31 entries.
+/// Allocates the joint-space terms of an island at the first call. Throws std::length_error if an M is too large.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);

@@ -22,7 +22,7 @@ struct Reach {
     for (int i = first; i < first + count; ++i) nonzero[iperm[i]] = 1;
   }
   void robot(std::size_t k) { mark(island.dof_offset[k], scene.robots[island.robots[k]].model->nv); }
-  // Marks the contacts on robot k and, if `bodies`, the robots at their other ends.
+  // Marks the contacts on robot k and, if `bodies`, the robots at the other ends of these contacts.
   void contacts(std::size_t k, bool bodies) {
     for (std::size_t c = 0; c < island.contacts.size(); ++c) {
       const Contact& contact = scene.contacts[island.contacts[c]];

@@ -173,7 +173,8 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       .all();
 }
 
-// Recomputes column w.n of N with D_c = |N_c|^2: subtracts K^-1 times its residual, K = [D J^T; J 0] of the kept rows.
+// Recomputes column w.n of N with D_c = |N_c|^2, by subtracting K^-1 times the residual of the column. K is [D J^T; J
+// 0] of the kept rows.
 bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) {
     const double unit = w.turns[c] ? w.lever * w.lever : 1;

@@ -156,7 +156,7 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) 
   if (w.options.precision == Precision::kSingle)
     solve_in_batches(job, data, batch_width(w), Precision::kSingle, &BlockGroup::single,
                      [&](const BlockGroup& group, const IslandWork& d) {
-                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
+                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // surely
                        return !group.single.empty() && !dependent;
                      });
   solve_in_batches(job, data, w.lanes.level->robots.width, Precision::kDouble, &BlockGroup::kernels,

@@ -124,7 +124,8 @@ int place_in_panel(const OfRobot& r, int column) {
   return -1;
 }
 
-// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G, H = G_r P.
+// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G and H
+// (derivatives.hpp).
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();

@@ -162,12 +162,12 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start =
 bool stand_alone(const Scene& scene, const Workspace& w);
 /// Returns the largest number of single robots, or states, in a SIMD batch; 1 without SIMD batches.
 int batch_width(const Workspace& w);
-/// Reports dependent rows of an island's J: status, rank, names.
+/// Sets the status, reason, rank and dependent_rows of a report from the dependent rows of the island's J.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
 /// Computes derivatives of all islands with IslandWork::served_in_lanes, in w.derivatives.
 void differentiate_alone(const Scene& scene, SceneData& data);
-/// Computes jvp or vjp (`product`) of these islands, with vectors `in` and `out` as in lanes::ProductJob.
+/// Computes jvp or vjp (`product`) of all islands with IslandWork::served_in_lanes. in, out: as in lanes::ProductJob.
 using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
 void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
                     const std::array<double*, 3>& out);
