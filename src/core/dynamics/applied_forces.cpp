@@ -57,7 +57,8 @@ void each_block(const Scene& scene, const Island& island, const AppliedForces<do
       use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
 }
 
-// With l = s.l: adds l^T dtau/dq and l^T dtau/dv to row `row` of X, and sets row `row` of W to l^T J_F^T.
+// Adds l^T dtau/dq and l^T dtau/dv to row `row` of out.X, and sets row `row` of out.W to l^T dtau/dw, where l = s.l and
+// tau are the torques of the wrenches w and of springs.
 void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
              AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
   each_block(scene, island, forces, [&](int at, int, int n) {
@@ -75,7 +76,7 @@ void add_row(const Scene& scene, const SceneData& data, const Island& island, co
     std::copy_n(s.ww.data() + 6 * out.wrenches[k], 6, &out.W(row, 0) + 6 * k);
 }
 
-// Calls add_row for all rows of X, with l the row of derivatives with respect to all torques.
+// Calls add_row for all rows of out.X. l: the row's derivatives with respect to all torques.
 void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
                AppliedWork::OfThread& s, IslandDerivatives& out) {
   const int rows = out.request.forces ? island.size() : island.nv;

@@ -2,7 +2,9 @@
 // External wrenches and springs in solves and derivatives. Their torques are part of tau in K x = [tau - h; ...], not
 // of K. Derivatives with respect to torques on all coordinates are combined with derivatives of tau(q, v, w):
 //
-//     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T.
+//     d/dq  +=  d/dtau dtau/dq,     d/dv  +=  d/dtau dtau/dv,     d/dw  =  d/dtau J_F^T,
+//
+// where J_F is the Jacobian of the frames on which the external wrenches w act.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/detail/kkt/island.hpp"
@@ -23,7 +25,7 @@ struct AppliedWork {
   AppliedForces<double> forces;  // wrenches on bodies at the state of the last solve
   struct OfThread {              // scratch
     AppliedScratch scratch;
-    Eigen::VectorXd l, wq, wv, ww;  // vectors of the scene
+    Eigen::VectorXd l, wq, wv, ww;  // nv each; ww: 6 per wrench
   };
   std::vector<OfThread> threads;
 };
@@ -41,12 +43,14 @@ bool lacks_direction(const Scene& scene, const Workspace& w, const Island& islan
 
 /// Changes a request such that torques on all coordinates are variables, as join_applied_forces needs.
 DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Adds derivatives of applied torques to those of by_all_torques(request), and removes columns not in `request`.
+/// Adds derivatives with respect to q, v and wrenches through torques of wrenches and springs to those computed for
+/// by_all_torques(request), and removes columns not in `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// Adds the derivatives of applied torques to the right-hand sides R.X, and J_F^T to R.W. R: allocated by lay_out.
+/// Adds the derivatives of the torques of wrenches and springs to the right-hand sides R.X (with respect to q and v)
+/// and R.W (wrenches). R: allocated by lay_out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
-/// Returns magnitudes of applied torques and of their derivatives at the current solution, per coordinate.
+/// Returns magnitudes of the torques of wrenches and springs and of their derivatives, per coordinate of the scene.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);
 
 }  // namespace internal

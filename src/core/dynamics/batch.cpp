@@ -122,7 +122,7 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
   internal::check_size(function, "status", static_cast<Eigen::Index>(status.size()), count);
 }
 
-// The least number of states for which one solve of all copies is cheaper: it costs as much as two single solves.
+// Returns the least number of states for which one solve of all copies, at the cost of two single solves, is cheaper.
 std::ptrdiff_t worth_it(int copies) { return std::min(copies, 3); }
 
 void prepare_copies(const Scene& scene, BatchData& batch) {
@@ -148,7 +148,7 @@ void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::Ve
     out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
 }
 
-// The result of one solve: of one state, or of several states by copies of the scene.
+// The result of one solve, of either one state or several states, one per copy of the scene.
 struct Solved {
   const Scene& scene;
   SceneData& data;
@@ -160,7 +160,7 @@ struct Solved {
   std::size_t islands() const { return data.report.islands.size() / count(); }  // islands per state
 };
 
-// Copies a copy's segment of x, a vector of all states solved at once, to the row of X of the copy's state.
+// Writes the segment of x for copy number `copy` to the row of X for the state of that copy. x: vector of all copies.
 void put(const Eigen::VectorXd& x, const Solved& s, int copy, BatchRows X) {
   row_of(X, s.first + copy) = x.segment(copy * X.cols(), X.cols());
 }

@@ -1,5 +1,6 @@
-// Decides, for all systems and for pairs, whether contacts are inconsistent. rank/contradiction.hpp's residual must
-// exceed the rounding error of accelerations that contacts cancel: gravity or, without it, |J| |tau - h| / max M_ii.
+// Decides, for all systems and for pairs, whether contacts are inconsistent. For this, the residual defined in
+// rank/contradiction.hpp must exceed the rounding error of accelerations that contacts cancel. These are gravity or,
+// without gravity, |J| |tau - h| / max M_ii.
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +12,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns the largest acceleration of a constraint row by torques, computed with each robot's largest inertia. With the
-// inertia of light links it would be so large that it hides inconsistencies.
+// Returns the largest acceleration that torques cause along a constraint row, computed with each robot's largest
+// inertia. With the inertia of light links, this acceleration would be so large that it hides inconsistencies.
 double accelerations_of_torques(const Scene& scene, const SceneData& data, const IslandWork& d) {
   const Workspace& w = *data.workspace;
   const auto largest_inertia = [&](int r) {

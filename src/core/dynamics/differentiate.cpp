@@ -31,7 +31,7 @@ bool has_derivatives(const SceneData& data) {
 
 namespace {
 
-// Returns the number of a robot's torque columns for request.u.
+// Returns the number of a robot's columns with respect to torques, if `request` includes these.
 int torques_of(const Model& model, const DerivativeRequest& request) { return request.tau ? model.nv : model.nu(); }
 
 int columns_of(const Scene& scene, const Island& island, const DerivativeRequest& request) {
@@ -87,14 +87,15 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 }
 
 // Differentiates an island outside SIMD batches: robot by robot if that is cheaper, else by the system that solved or
-// by MatrixSystem. If sparse-bodies solved, MatrixSystem is first unless K is too large for the dense reference solver:
-// sparse-bodies solves column by column, which takes 4 to 70 times as long as K's sparse factor.
+// by MatrixSystem. If sparse-bodies solved, MatrixSystem is tried first, unless K is too large
+// (kDifferentiatedByMatrix): sparse-bodies solves column by column, which takes 4 to 70 times as long as a sparse
+// factor of K.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
       d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.deficient &&  // equal rank as in the solve
+      d.matrix.deficient() == d.deficient &&  // both or neither found dependent rows
       d.matrix.differentiate(scene, data, thread, out))
     return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // d.robots failed above, or is not cheaper
@@ -111,7 +112,7 @@ namespace {
 
 // Throws, before any panel is allocated, if the panels do not fit in memory.
 void check_memory(const Scene& scene, const Workspace& w, const DerivativeRequest& request) {
-  constexpr int kPanels = 2;  // right-hand sides in the island's order, and in a factor's
+  constexpr int kPanels = 2;  // right-hand sides in the island's order and in the factor's order
   double numbers = 0;
   for (const auto& d : w.islands) {
     if (d->answered_by(d->bodies.get()))

@@ -10,7 +10,7 @@
 
 namespace manycontact::internal {
 
-/// Solves a prepared scene. prescribed: prescribed accelerations of constraint rows, in f's order; empty: zero.
+/// Solves a prepared scene. prescribed: prescribed accelerations of constraint rows, in f's order; all zero if empty.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                              SceneData& data, std::span<const double> prescribed = {});
 /// Prepares a scene that check_scene has accepted.
@@ -20,9 +20,9 @@ void prepare_islands(const Scene& scene, const SceneData& data);
 /// Returns why this island's input cannot be used; kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
-/// Resets an island's report to its state before a solve; keeps the capacity of dependent_rows.
+/// Resets a report to that of an unsolved island; keeps the capacity of dependent_rows.
 void reset(IslandReport& report, const Island& island);
-/// Sets report.dependent_rows to the numbers in data.f of `rows` of the island's J.
+/// Sets report.dependent_rows to the sorted indices in data.f of the island's constraint rows `rows`.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
 /// Returns the acceleration prescribed for row i of a contact.
 inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
@@ -30,7 +30,8 @@ inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) 
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where ContactData::left of a contact is stored; nullptr if the contact is no pair (reduction/reduction.hpp).
+/// Returns where the workspace stores a pair's ContactData::left, the inconsistency of the contacts that the pair
+/// replaces (reduction/reduction.hpp); nullptr if the contact is no pair.
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
@@ -56,10 +57,11 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
 /// Computes error bounds of a and f with |K^-1| (mathematics.md) and stores them in the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Whether an island's contacts are inconsistent by more than rounding errors of accelerations by gravity or torques.
+/// Whether an island's contacts are inconsistent by more than the rounding errors of accelerations due to gravity or
+/// torques. of: the inconsistency.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
-/// Size of derivatives [bytes] above which they are written past the caches: a core's share of the last cache is less.
+/// Larger derivatives [bytes] are written past the caches, as they exceed a core's share of the last-level cache.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
 /// Whether derivatives of the current solution have been computed.
@@ -68,15 +70,16 @@ bool has_derivatives(const SceneData& data);
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sets the sizes and offsets of an island's blocks of derivatives, and allocates the panels with zeros.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Overwrites out.X, allocated by lay_out, with the right-hand sides -dr. An AtSolution must be alive.
+/// Overwrites out.X, allocated by lay_out, with -dr, the right-hand sides of K [da; -df] = -dr. An AtSolution must
+/// exist.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// Returns |K^-1|_1, where K is n x n and solve(x) overwrites x with K^-1 x. For a small K the result is exact, from
-/// all columns, at the cost of a factorization at most; otherwise it is an estimate.
+/// Returns |K^-1|_1, where K is n x n and solve(x) overwrites x with K^-1 x. For a small K the result is exact,
+/// computed from all columns of K^-1 in at most the time of a factorization; otherwise it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
 /// Reports the largest residuals r of dynamics rows [0] and contact rows [1], relative to the largest terms (`scale`).
-/// For contact rows, terms are at least gravity: at rest, terms are rounding errors too.
+/// For contact rows, the terms count at least as much as gravity, since at rest they are rounding errors themselves.
 inline void report_residuals(const Scene& scene, const double (&r)[2], const double (&scale)[2], IslandReport& report) {
   report.residual_dynamics = r[0] == 0 ? 0 : r[0] / scale[0];
   report.residual_contact = r[1] == 0 ? 0 : r[1] / std::max(scale[1], scene.gravity.norm());
@@ -101,7 +104,8 @@ inline double inertia_size(const Inertia<double>& Y) {
   return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
 }
 
-/// Copy an island's x = [a; y], in elimination order, to the scene's a and y (scatter), or a and y to x (gather).
+/// Copy an island's x = [a; y], in elimination order, to the scene's vectors a (nv) and y (one entry per constraint
+/// row), or these to x. scatter copies from x, gather to x.
 template <class X, class A, class Y>
 void scatter(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island,
              const X* x, A& a, Y& y) {

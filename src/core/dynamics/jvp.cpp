@@ -27,8 +27,8 @@ namespace {
 
 void set_nan(Eigen::Ref<Eigen::VectorXd> x) { x.setConstant(std::numeric_limits<double>::quiet_NaN()); }
 
-// For each island outside SIMD batches: calls product(system that solved); if it fails, product(MatrixSystem); if that
-// fails too, refused.
+// Calls product(system, thread) for each island outside SIMD batches, first with the system that solved the island. If
+// the product fails, calls it with MatrixSystem; if that fails too, calls refused(island).
 template <class Product, class Refused>
 void each_product(const Scene& scene, SceneData& data, Product&& product, Refused&& refused) {
   internal::each_island(
@@ -65,7 +65,8 @@ void add_applied_tangent(const Scene& scene, SceneData& data, const ConstVector&
                         w.applied->threads.front().scratch, dtau.data());
 }
 
-// Adds to wq, wv the adjoint products of the torques of wrenches and springs. Overwrites ww, which may be nullptr.
+// Adds to wq, wv the products of wtau with the transposed derivatives of the torques of wrenches and springs.
+// Overwrites ww with the product for wrenches, unless ww is nullptr.
 void add_applied_adjoint(const Scene& scene, SceneData& data, const Eigen::VectorXd& wtau,
                          Eigen::Ref<Eigen::VectorXd> wq, Eigen::Ref<Eigen::VectorXd> wv, double* ww) {
   const Workspace& w = *data.workspace;

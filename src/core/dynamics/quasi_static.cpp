@@ -15,8 +15,9 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns bounds of the loads on a robot's coordinates. The load by gravity g is at most |g| sqrt(m M_ii), m the mass
-// that coordinate i moves (Cauchy-Schwarz). applied: torques of wrenches and springs, per coordinate of the scene.
+// Returns upper bounds of the loads on a robot's coordinates. The load of gravity g is at most |g| sqrt(m M_ii), where
+// m is the mass that coordinate i moves (Cauchy-Schwarz). applied: magnitudes of the torques of wrenches and springs,
+// per coordinate of the scene, or empty.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;
@@ -33,7 +34,8 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
   return out;
 }
 
-// left: nv, residual of the equation. Above 1e-6 of the loads, it is not due to rounded numbers in files.
+// Finds robots whose residual exceeds 1e-6 of the loads, i.e. what rounded numbers in files explain. Returns for each
+// the coordinate with the largest ratio. left: residual h - B u - J^T f of static equilibrium (nv).
 std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
                                           const Eigen::VectorXd& left) {
   constexpr double kRounded = 1e-6;
@@ -80,7 +82,7 @@ Eigen::VectorXd least_norm_torques(const Scene& scene, const ConstVectorRef& q, 
   internal::check_size("quasi_static", "tau0", tau0.size(), scene.nv);
   internal::check_size("quasi_static", "a column of B", B.rows(), scene.nv);
   prepare(scene, data);
-  give_up_solution(data);  // the kinematics are overwritten
+  give_up_solution(data);  // evaluations below overwrite terms at the solution
   internal::prepare_islands(scene, data);
   Workspace& w = *data.workspace;
   const int nu = static_cast<int>(B.cols());

@@ -31,7 +31,7 @@ void evaluate_bias(const Model& model, const SE3<B>& base, const ConstVecRef<S>&
   inverse_dynamics<S>(model, r.kin, nullptr, {}, r.f, r.h);
 }
 
-/// Returns m, or zero if m is within its rounding error; m = M_ii of motion column J and composite inertia Y.
+/// Returns m, or zero if m is within its rounding error. m: M_ii, from the motion column J and composite inertia Y.
 template <class S, class Column>
 S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   double eps = std::numeric_limits<double>::epsilon();
@@ -41,8 +41,8 @@ S without_rounding(const S& m, const Column& J, const Inertia<S>& Y) {
   return select(absolute(m) <= rounding * terms, S(0), m);
 }
 
-/// Computes M. M_ii is zero if within rounding error, e.g. for a point mass on a joint's axis, which tests of pivots
-/// might miss, as nothing cancels there. slot: index in M of each entry; nullptr: packed (crba.hpp).
+/// Computes M. An M_ii within its rounding error becomes zero, e.g. for a point mass on a joint's axis: tests of pivots
+/// might accept this M_ii, as no terms cancel in it. slot: index of each entry in M; nullptr: packed (crba.hpp).
 template <class S>
 void evaluate_inertia(const Model& model, RobotQuantities<S>& r, const int* slot, S* M) {
   if (slot)

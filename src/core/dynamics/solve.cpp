@@ -120,7 +120,7 @@ void name_dependent_rows(const SceneData& data, const Island& island, std::span<
 
 namespace {
 
-// Checks the inputs of a solve (u or tau, by name and size), and prepares the scene.
+// Checks the inputs of a solve, and prepares the scene. torques: u or tau, with their `name` and expected `size`.
 void begin(const char* function, const Scene& scene, const ConstVector& q, const ConstVector& v, const char* name,
            const ConstVector& torques, int size, SceneData& data) {
   check_scene(scene, data, function);
@@ -146,7 +146,7 @@ void begin_state(const Scene& scene, const ConstVector& q, const ConstVector& v,
   w.q = q;
   add_applied_forces(scene, data, w.q.data(), data.v.data(), data.tau.data());
   data.report.method = data.options.method;
-  ++w.state;  // unique, even if an earlier solve failed
+  ++w.state;  // a new number, even if an earlier solve failed
   for (const auto& d : w.islands) d->answered = nullptr, d->factorizations = 0, d->deficient = false;
 }
 

@@ -19,12 +19,12 @@ StaticTorque::StaticTorque(const Scene& scene) : applied(scene), scratch(applied
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s) {
   const Workspace& w = *data.workspace;
   for (std::size_t c = 0; contacts && c < scene.contacts.size(); ++c)
-    if (data.f_offset[c] >= 0) (void)contact_data(scene, data, static_cast<int>(c));  // evaluates its rows
+    if (data.f_offset[c] >= 0) (void)contact_data(scene, data, static_cast<int>(c));  // evaluates the rows
   if (contacts)
     for (const auto& d : w.islands)
       internal::contact_forces(scene, d->island, w.contacts, data.f_offset, data.f,
                                [&s](int r) -> std::vector<Vec6<double>>& { return s.fext[r]; });
-  s.tau.setZero();  // used as zero velocities first
+  s.tau.setZero();  // serves as zero velocities below
   for (int r = 0; r < scene.nrobots(); ++r) {
     const Robot& robot = scene.robots[r];
     s.kin[r] = robot_kinematics(scene, data, r);
@@ -41,7 +41,7 @@ void static_torque(const Scene& scene, const SceneData& data, const double* q, b
 
 namespace {
 
-// Subtracts dtau_s/dq from `out`, row by row; tau_s are torques of wrenches and springs.
+// Subtracts dtau_s/dq from `out`, row by row, where tau_s are the torques of wrenches and springs.
 void subtract_applied(const Scene& scene, const Island& island, StaticTorque& s,
                       Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out) {
   if (!has_applied_forces(scene)) return;
@@ -76,7 +76,7 @@ void static_torque_derivative(const Scene& scene, const SceneData& data, std::si
   }
   subtract_applied(scene, island, s, out);
   if (!contacts) return;
-  out *= -1;  // -dr1/dq
+  out *= -1;  // sign of -dr1/dq, which force_columns corrects
   for (std::size_t k = 0; k < island.contacts.size(); ++k) {
     const int c = island.contacts[k];
     const Contact& contact = scene.contacts[c];

@@ -8,7 +8,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the current solution x = [a; y] of K x = b in elimination order, with y = -S^-1 f for the row weights S.
+// Returns the current solution x = [a; y] of K x = b in elimination order, where y = -S^-1 f and S are the row weights.
 std::vector<double> given_solution(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Island& island = m.owner.island;
   const int* iperm = m.K.pattern->iperm.data();
@@ -54,7 +54,7 @@ SystemQuality quality_of(const Scene& scene, const SceneData& data, MatrixSystem
   const std::vector<double> x = given_solution(scene, data, m);
   std::vector<double> r(n), scale(n);
   sparse::residual(m.K.pattern->K, m.K.values.data(), x.data(), m.v.b.data(), r.data(), scale.data());
-  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // no x reduces this component
+  if (m.deficient()) m.factor->project_out(r.data(), nullptr);  // no x can reduce this component of r
   const double norm = internal::norm_of(m);
   using sparse::largest;
   SystemQuality out;

@@ -6,7 +6,7 @@
 //                            k above B': if i is above B', on k's joint or on a joint below
 //
 // and zero otherwise. Rows of a world-aligned contact also rotate with A, by turned(th_k, s_i) for every k above A,
-// even if k is above both bodies; th_k is the axis of k. Products sum s_i along two chains, in linear time.
+// even if k is above both bodies; th_k is the axis of k. Products sum s_i along the chains of A and B', in linear time.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 
@@ -22,7 +22,8 @@ class JacobianRate {
     const std::vector<int>& support;  // ContactSupport::a or b
     const std::vector<int>& joint;    // joint of each velocity coordinate of the body's robot
   };
-  /// columns: coordinates of J's columns; chain_a: coordinates of all joints above A, less first_a; kin_a: A's robot.
+  /// columns: coordinates of J's columns. chain_a: coordinates of all joints above A, numbered within A's robot, whose
+  /// first coordinate is first_a and whose kinematics is kin_a.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),

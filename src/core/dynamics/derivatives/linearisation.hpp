@@ -1,5 +1,5 @@
 #pragma once
-// Motions of bodies and contact rows at the accelerations of the solution, for derivatives, products, static torques.
+// Motions of bodies and contact rows at the solution's accelerations, for derivatives, products and static torques.
 
 #include "manycontact/contact/products.hpp"
 #include "manycontact/detail/algorithm/rnea_derivatives.hpp"
@@ -11,7 +11,7 @@ namespace manycontact {
 
 struct Workspace;
 
-/// One object per robot or contact of a scene, allocated when an island first needs it. SIMD batches have their own.
+/// One object per robot or contact of a scene, allocated when an island first needs it. SIMD batches do not use it.
 template <class T>
 class OnDemand {
  public:
@@ -28,7 +28,8 @@ class OnDemand {
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Robots of one model share slots of a pool, as a thread processes islands one after the other; slots stay in cache.
+/// Terms of robots and contacts at the solution. A thread processes islands one after the other, so that robots of one
+/// model can share the slots of a pool, which stay in the cache.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
@@ -60,7 +61,7 @@ struct Linearisation {
   std::vector<int> used;                   // number of slots that the current island uses, one entry per model
 };
 
-/// While it exists, kin.a of an island's robots and Linearisation::contacts are at the solution's accelerations.
+/// While this object exists, kin.a of an island's robots and Linearisation::contacts have the solution's accelerations.
 class AtSolution {
  public:
   AtSolution(const Scene& scene, SceneData& data, const Island& island);

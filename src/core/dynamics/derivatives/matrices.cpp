@@ -7,7 +7,8 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// Calls use(value, row, column in the scene, variable of differentiation, whether it is of forces) for each entry.
+// Calls use(value, row, column, variable of differentiation, whether forces are differentiated) for each entry. Rows
+// and columns are numbered in the scene.
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {

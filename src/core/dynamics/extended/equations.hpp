@@ -4,9 +4,9 @@
 //     [M  J^T     ] [ a]   [tau - h        ]
 //     [J  -delta I] [-f] = [prescribed - a0].
 //
-// K is never formed: K x is computed by inverse dynamics of a with forces f, and by relative accelerations of contact
-// frames, at a cost linear in the bodies. Corrections of x use a factor of K in double (extended.cpp). Equations are
-// compiled once per instruction level (src/core/simd/levels.cmake), without SIMD batches.
+// K is never formed. K x is computed by inverse dynamics of a with forces f, and by relative accelerations of contact
+// frames, at a cost linear in the number of bodies. Corrections of x use a factor of K in double (extended.cpp). The
+// class is compiled once per instruction level (src/core/simd/levels.cmake), but does not use SIMD batches.
 
 #include <memory>
 #include <span>

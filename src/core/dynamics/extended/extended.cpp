@@ -30,7 +30,8 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution may be refined: it solves the scene's own equations, with its J and, if damped, all rows.
+// Whether the double solution may be refined, i.e. solves the scene's equations with unchanged J and, if damped, with
+// all rows.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -94,7 +95,7 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    const bool damped = scene.damping > 0;  // damping also gives pairs null-space forces
+    const bool damped = scene.damping > 0;  // pairs then have forces in the null space of J^T, too
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
       each_row(scene, data, e, [&](std::size_t c, int, int k) {
@@ -211,7 +212,8 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Excludes open islands whose J has another rank in double-double. Corrections by K^+ must make J^T n vanish, n random.
+// Excludes open islands whose J has another rank in double-double. In the other islands, corrections by K^+ make J^T n
+// vanish for a vector n of row forces that starts random.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());
@@ -232,8 +234,8 @@ void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& 
       });
 }
 
-// Computes in e.r_a the step dy of a projection: J^T S^2 J dy = g, gradient g in double-double. Solves J^T z = g for
-// forces z, then S^2 J dy = z. A step computed from `rest` itself would be accurate to double only.
+// Computes in e.r_a the step dy of a projection, J^T S^2 J dy = g, where the gradient g is computed in double-double.
+// Solves J^T z = g for forces z, then S^2 J dy = z. A step from `rest` itself would be accurate to double only.
 void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   e.equations->gradient_of_rest(part_of(e), e.r_a.data());
   e.r.setZero();
@@ -243,8 +245,8 @@ void step_of_projection(const Scene& scene, SceneData& data, ExtendedWork& e) {
   invert(scene, data, e);
 }
 
-// Projects `rest` of open islands by steps dy until a step changes no digit: of double for forces; of double-double for
-// least-squares residuals, as x may be small relative to the residuals.
+// Projects `rest` of the open islands by steps dy until a step changes no significant digit. These are digits of double
+// for forces, and of double-double for least-squares residuals, as x may be small relative to the residuals.
 void project(const Scene& scene, SceneData& data, extended::Equations::Projected what, ExtendedWork& e) {
   const bool forces = what == extended::Equations::Projected::kForces;
   e.equations->begin_projection(part_of(e), what, e.weights.data());
@@ -288,7 +290,8 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Excludes islands whose rows are dependent only by rounding of the state, as J has another rank in double-double.
+// Excludes islands whose rows are dependent only up to the rounding of the state, so that J has another rank in
+// double-double.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -374,8 +377,9 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; a bound of 1 becomes > 1
 
-// Sizes and distances of an island's a or f, from which its error bound is computed. by_inverse: relative bound by
-// |K^-1|; distance: to the refined copy; last: the copy's last correction; at_rest: size that the loads may cause.
+// Sizes and distances of an island's a or f, from which its error bound is computed. size, size_before: largest entry,
+// reported and in double; by_inverse: relative bound by |K^-1|; distance: to the refined copy; last: the copy's last
+// correction; at_rest: size that the loads may cause.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;

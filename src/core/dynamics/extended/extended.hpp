@@ -25,7 +25,7 @@ struct ExtendedWork {
     bool converged = false;               // whether x has converged
     bool projects = false;                // whether rows are dependent, so that forces are projected
     double before = 0;                    // size of the previous correction
-    double at_rest_a = 0, at_rest_f = 0;  // a and f of sizes caused by the loads, to judge vanishing a and f
+    double at_rest_a = 0, at_rest_f = 0;  // sizes of a, f that the loads may cause, to judge vanishing a, f
     double size_a = 0, size_f = 0;        // largest entries of a and f of the double solution
     double last_a = 0, last_f = 0;        // largest entries of the last correction
     double rest = 0;                      // size of the null-space part (equations.hpp)
@@ -50,7 +50,8 @@ namespace internal {
 void refine_extended(const Scene& scene, SceneData& data);
 /// Refines a copy of the current solution, of any precision.
 void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces islands' bounds by the distance to the refined copy if that converged; the caller must call summarise.
+/// Replaces the error bounds of islands whose refined copy converged by bounds from the distance to this copy. The
+/// caller must call summarise.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

@@ -213,7 +213,7 @@ void LevelEquations::torques(const Part& part, bool inertial) {
   });
 }
 
-// Computes r = b - K x from the whole x, instead of updating r: the next correction then shows the errors of r.
+// Computes r = b - K x from the whole x, instead of updating r, so that the next correction reveals the errors of r.
 void LevelEquations::evaluate_residual(const Part& part) {
   motions(part, a_.data());
   put_forces(part, f_.data());
@@ -292,7 +292,7 @@ void LevelEquations::set_rest(const Part& part, const double* f) {
   each_row(part, [&](Eigen::Index k) { rest_[k] = f[k]; });
 }
 
-// Sums the magnitudes of contact forces on each body in `sizes`: unlike forces, they cannot cancel.
+// Sums the magnitudes of contact forces on each body in `sizes`. Unlike the forces, magnitudes cannot cancel.
 void LevelEquations::put_sizes(const Part& part) {
   for (int r : part.robots) std::ranges::fill(robot(r).sizes, ForceSize{});
   const auto put = [&](const Attachment& at, const SE3<S>& M, double force, double moment) {

@@ -92,7 +92,8 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads PairNumbers of each item's contact. common: numbers that all elements contain already and keep, or nullptr.
+/// Loads PairNumbers of each item's contact. common: on input and output, the numbers that all elements of `to` share,
+/// or nullptr. They are not loaded again if all items have them.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];

@@ -1,6 +1,7 @@
 #pragma once
-// A robot as a block of its island's K. Its border are the rows of contacts that couple it to other robots: they come
-// last and are not eliminated (systems/robots/interface.hpp). BlockPlan contains these contacts as ones with the world.
+// A robot's block of the island's K. The block's border are the rows of contacts that couple the robot to other robots.
+// They come last and are not eliminated in the block (systems/robots/interface.hpp). A BlockPlan contains these
+// contacts as contacts with the world.
 
 #include <algorithm>
 
@@ -9,7 +10,8 @@
 
 namespace manycontact::lanes {
 
-/// Array of a coupling contact's body on one robot: the body's origin, oMi, v, a, and the columns of J that move it.
+/// An array for the body of a coupling contact on one robot: the origin of the body's tree frame in the world; the
+/// body's oMi, v, a; and the columns of J that move the body.
 struct JoinedEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
@@ -58,7 +60,8 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// The number of entries of K and b. Behind them are the JoinedEnds, which `factor` overwrites with L, D, x, w.
+  /// The number of entries of K and b. In a batch's memory, the JoinedEnds follow them, until `factor` overwrites these
+  /// with L, D, x, w.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
   /// Offset and size of the memory of WaitingRows.
@@ -93,7 +96,8 @@ struct JoinTerms {
   double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
-/// A robot's contributions to its m border rows, in consecutive arrays. G: the robot's columns of these rows (G_r).
+/// A robot's contributions to its m border rows, i.e. rows of coupling contacts, in consecutive arrays. G (G_r): the
+/// robot's columns of these rows.
 struct Border {
   double* S = nullptr;  // upper triangle, by columns, of the Schur complement
   int m = 0;

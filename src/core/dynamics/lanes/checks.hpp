@@ -36,7 +36,8 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors on the thresholds of pivots and rows (kLeft) and of two successive pivots (kPassedOn); above 1 for floats.
+/// Factors that multiply the thresholds of pivots and rows (kLeft), and of two successive pivots (kPassedOn). They are
+/// 1 for doubles, and above 1 for floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
@@ -58,12 +59,13 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Accepts or rejects pivots of a factorization in order. passed_on_more: factor on the threshold of successive pivots.
+/// Accepts or rejects pivots in elimination order. passed_on_more: multiplies the threshold of two successive pivots.
 template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot exceeds `margin` times its rounding error. Rejected pivots have no effect. diagonal: K_kk.
+  /// Whether the next pivot exceeds `margin` times its rounding error. Rejected pivots do not affect later decisions.
+  /// diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // 1 for damped rows of J
     rank::PassedOn<S> next = passed_on_;

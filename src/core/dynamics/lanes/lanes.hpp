@@ -18,7 +18,7 @@
 
 namespace manycontact::lanes {
 
-/// Inputs and outputs of a solve in the scene's coordinates. serial: Solution::serial of the solution.
+/// Inputs and outputs of a solve in the scene's coordinates. serial: number of the solution (Solution::serial).
 struct Job {
   const Scene& scene;
   std::uint64_t serial;
@@ -36,7 +36,8 @@ struct Sampled {
   int column;
   double* b;
 };
-/// Output of derivatives: columns K_r^-1 [E, B_r] of one robot, rows of f, not -f; IslandDerivatives::X if it is alone.
+/// Output of derivatives: the columns K_r^-1 [E, B_r] of one robot, with f instead of -f. For a single-robot island
+/// this is IslandDerivatives::X.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
@@ -70,7 +71,7 @@ struct Answer {
   bool sound = false;
   int refinement_steps = 0;
   double residual_dynamics = 0, residual_contact = 0, contact_terms = 0, backward_error = 0;  // see IslandReport
-  // Whether derivatives and products by this factor need no check; whether derivatives need a refinement.
+  // panel_is_safe: derivatives and products by this factor need no check. refine_panel: derivatives need refinement.
   bool panel_is_safe = false, refine_panel = false;
   std::span<const int> dependent;             // dependent rows, in the order of the plan's K
   rank::Contradiction<double> contradiction;  // set if any row is dependent
@@ -83,7 +84,7 @@ class RobotBlocks {
     int number;           // number of the robot in the scene
     const int* contacts;  // contacts on the robot alone, as numbered in the scene
     // Members that only coupled robots use.
-    double* joins = nullptr;  // one JoinedEnd per coupling contact, later J's columns of this robot; until `factor`
+    double* joins = nullptr;  // one JoinedEnd per coupling contact, then the robot's columns of J; until `factor`
     double* ends = nullptr;   // one MovingEnd per coupling contact, later EndForce in its place
     const double *x = nullptr, *b = nullptr;  // inputs of `check`, in the order of the plan's island
     Border border = {};
@@ -114,7 +115,8 @@ class RobotBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// Factorizes K, sets x = 0, and computes each robot's part of S and of the border's right-hand side.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// Sets x += K^-1 (r - G^T y), y the step in the border; then r = b - K x, and the parts of the border's residual.
+  /// Sets x += K^-1 (r - G^T y), where y is the step in the border, then r = b - K x, and parts of the border's
+  /// residual.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Writes job.a, and job.f of contacts on single robots.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -155,7 +157,7 @@ class InterfaceContacts {
   };
 
   virtual ~InterfaceContacts() = default;
-  // All contacts of a call must be `alike_rows`.
+  // All contacts of a call must satisfy alike_rows.
   virtual void evaluate(const Vec3<double>& gravity, std::span<Rows> rows) = 0;
   virtual void differentiate(const Vec3<double>& gravity, std::span<const Derivatives> rows) = 0;
 };
@@ -178,7 +180,7 @@ struct SingleLevel {
 struct Level {
   int width;
   std::unique_ptr<RobotBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
-  /// contact: any contact of the kind to evaluate; scene: its scene.
+  /// contact: any contact of the kind that the kernel is to evaluate; scene: the contact's scene.
   std::unique_ptr<InterfaceContacts> (*make_contacts)(const Scene& scene, const Contact& contact,
                                                       const ContactSupport& support);
   /// Returns nullptr if the level is not for SIMD batches.

@@ -137,7 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns the elements where every row of J exceeds its rounding errors, which pivots do not show.
+/// Writes J into K. Returns the elements where every row of J exceeds its rounding errors, which pivots do not reveal.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();

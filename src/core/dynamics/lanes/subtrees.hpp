@@ -1,6 +1,6 @@
 #pragma once
-// Subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. They are short: K = [M J^T; J 0] in joint space is
-// small. Its elimination order is fixed, and subtrees of one shape share a batch.
+// Solves subtrees of deep trees (kkt/bodies/subtrees.hpp) in SIMD batches. A subtree's K = [M J^T; J 0] in joint space
+// is small, and has a fixed elimination order. Subtrees of one shape share a batch.
 
 #include <memory>
 #include <span>
@@ -17,8 +17,9 @@ struct SubtreePlan {
   std::shared_ptr<const BodyPattern> pattern;
   sparse::UpperCsc K;  // order: coordinates from the last to the first, then rows
   sparse::LdlSchedule schedule;
-  /// Slots in K, in the order of assembly. M: for each coordinate, from the last node on, entries with its node's
-  /// coordinates up to itself, then the ancestors'. J: per row, coordinates from body A up to `meeting`, then from B.
+  /// Slots in K, in the order of assembly. M_slot: for each coordinate k, from the last node to the first, the entries
+  /// (k, j) for j of k's node up to k, then of ancestors. J_slot: for each row, coordinates from A up to `meeting`,
+  /// then B.
   std::vector<int> M_slot, J_slot;
   std::vector<int> meeting;  // one per row: the first common ancestor node of both bodies; -1: none
 

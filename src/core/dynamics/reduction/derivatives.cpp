@@ -62,7 +62,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
   expand_rows(r, i, from.W.block(nv, 0, from.nc, w), out.W.block(nv, 0, island.nc, w));
 }
 
-// Returns the largest row sum of |S Q|: the largest error of f per error of y.
+// Returns the largest row sum of |S Q|, at least 1. Errors of y cause errors of f = S Q y at most this times as large.
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
   for (int c : solved_island(*r.data, i).contacts) {
@@ -164,7 +164,8 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// With damping, K of all contacts also has the eigenvalue -damping, for forces in the null space of a pair's J^T.
+// Takes into account that, with damping, K of all contacts also has the eigenvalue -damping, for forces in the null
+// space of a pair's J^T.
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

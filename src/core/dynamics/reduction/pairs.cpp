@@ -25,7 +25,7 @@ bool same_terms(const Scene& scene, const Reduction::Terms& terms) {
   return true;
 }
 
-// Whether a contact may be in a pair: with damping only between two robots, as derivatives of sliding need all rows.
+// Whether a contact may be in a pair. With damping it must join two robots, as derivatives of sliding need all rows.
 bool may_reduce(const Scene& scene, const Contact& contact) {
   return has_constant_rows(contact) &&
          (scene.damping == 0 || (joins_robots(contact) && contact.A.robot != contact.B.robot));
@@ -198,7 +198,7 @@ void prepare_reduction(const Scene& scene, SceneData& data) {
   Reduction& r = *w.reduction;
   Options options = data.options;
   options.reduce_pairs = false;
-  if (options.precision == Precision::kExtended) options.precision = Precision::kDouble;  // refined on the scene itself
+  if (options.precision == Precision::kExtended) options.precision = Precision::kDouble;  // refined in the full scene
   if (!r.data) {
     std::vector<char> active;
     set_active(data.active, r, active);

@@ -1,9 +1,9 @@
 #pragma once
-// Reduction of redundant contacts: a pair is one contact that replaces several contacts between the same two bodies;
-// its rows span the rows of these contacts (contact/pair_rows.hpp). Accelerations are those of all contacts. The forces
-// of the replaced contacts are f = S Q y: y of the pair, Q orthonormal columns, S row units. The reduced scene has the
-// contacts of the scene, inactive if in pairs, and then the pairs. There is one pair per set of active contacts; sets
-// are kept.
+// Reduction of redundant contacts to pairs. A pair is one contact that replaces several contacts between the same two
+// bodies; its rows are a basis of the span of their rows (contact/pair_rows.hpp). The accelerations do not change. The
+// replaced contacts have the forces f = S Q y, with the pair's forces y, row weights S, and a Q with orthonormal
+// columns. The reduced scene has the scene's contacts, of which the replaced ones are inactive, followed by the pairs.
+// Each set of active contacts between two bodies has its own pair, which is kept for later.
 
 #include <map>
 #include <memory>
@@ -37,9 +37,9 @@ struct Reduction {
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
   std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
   std::vector<std::shared_ptr<PairRows>> pairs;          // rows of each pair, in the order of the pairs' contacts
-  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // all that pairs ever had; SIMD batches compare addresses
+  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // distinct numbers of all pairs; batches compare addresses
   std::unique_ptr<SceneData> data;                       // data of the reduced scene
-  // data of the scene without reduction, for derivatives of damped sliding contacts; has a solution if up to date
+  // data of the scene itself, used for derivatives if damped contacts slide; contain a solution only if up to date
   std::unique_ptr<SceneData> plain;
   std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene
   Eigen::VectorXd prescribed;    // prescribed accelerations, rows as data->f
@@ -66,10 +66,10 @@ bool reduction_is_current(const Scene& scene, const SceneData& data);
 bool has_pairs(const Reduction& reduction, std::size_t island);
 /// Creates, changes or drops the reduction for data.active, and prepares its islands.
 void prepare_reduction(const Scene& scene, SceneData& data);
-/// Solves the reduced scene, after `begin`. prescribed: accelerations of constraint rows, in data.f's order, or empty.
+/// Solves a prepared scene by its reduced scene. prescribed: as for solve_prepared (internal.hpp).
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
-/// Returns the data that contain the derivatives of the current solution: Reduction::data or Reduction::plain.
+/// Returns the data whose solution is to be differentiated: Reduction::data, or Reduction::plain, solved if necessary.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
 /// Computes forces f of the scene's contacts from forces y of the reduced scene: f = S Q y for pairs.

@@ -22,7 +22,7 @@ void refresh(const Scene& scene, const SceneData& data, Reduction& r) {
   r.data->wrenches = data.wrenches;
 }
 
-// Calls use(first row of the scene's f, first row of the pair, rows) for each contact of a pair.
+// Calls use(first row of the scene's f, first row of the pair, number of rows) for each contact of a pair.
 template <class Use>
 void each_member(const std::vector<int>& f_offset, const PairRows& pair, Use&& use) {
   int first = 0;
@@ -37,7 +37,7 @@ using PairVector = Eigen::Map<const Eigen::VectorXd>;
 
 PairVector unit_of(const PairRows& pair) { return {pair.unit.data(), static_cast<Eigen::Index>(pair.unit.size())}; }
 
-// Calls use(first row of the scene's f, first row of the reduced scene's f, rows) for each contact that is in no pair.
+// Calls use(first row in the scene's f, first row in the reduced scene's f, number of rows) for contacts in no pair.
 template <class Use>
 void each_single(const SceneData& data, const Reduction& r, Use&& use) {
   for (std::size_t c = 0; c < data.f_offset.size(); ++c)
@@ -46,7 +46,9 @@ void each_single(const SceneData& data, const Reduction& r, Use&& use) {
 
 const double* left_of_pair(const Reduction& r, int c) { return left_of(*r.data->workspace, c); }
 
-// Adds a damped pair's null-space forces, f += (prescribed - left) / delta: only damping resolves inconsistency.
+// Adds forces in the null space of damped pairs' J^T, f += (prescribed - left) / delta, since only damping limits
+// these. left: inconsistency of a pair's contacts (ContactData::left). Of the prescribed accelerations `wanted`, only
+// the part counts that is outside the span of the pair's rows.
 void add_damped_contradictions(const SceneData& data, double damping, const Reduction& r,
                                std::span<const double> wanted, Eigen::VectorXd& f) {
   r.each_pair([&](int c, const PairRows& pair) {
@@ -88,7 +90,8 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists dependent rows: in pairs, rows outside the basis, and basis rows that depend on others (contact/pair_rows.hpp).
+// Lists an island's dependent rows. In pairs these are rows outside the basis (contact/pair_rows.hpp), and rows of the
+// basis whose rows in the reduced scene are dependent.
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
@@ -127,7 +130,7 @@ void take_report(const Scene& scene, SceneData& data, const Reduction& r, std::s
     IslandReport& solved = r.data->report.islands[i];
     std::vector<int> own = std::move(report.dependent_rows), others = std::move(solved.dependent_rows);
     own.clear();
-    report = solved;  // but keeps its own dependent_rows
+    report = solved;  // except dependent_rows
     report.dependent_rows = std::move(own), solved.dependent_rows = std::move(others);
     report.nc = r.islands[i].nc;
     if (solved.status == Status::kFailed) continue;

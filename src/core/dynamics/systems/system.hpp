@@ -2,15 +2,17 @@
 // The systems that solve an island, i.e. coupled robots and their contacts, at successive states:
 //
 //     [M  J^T     ] [ a]   [tau - h        ]
-//     [J  -delta I] [-f] = [prescribed - a0].
+//     [J  -delta I] [-f] = [prescribed - a0],
+//
+// where `prescribed` is zero unless accelerations are prescribed (dynamics/solve_prescribed.hpp). The systems are:
 //
 //     RobotsSystem   several robots as blocks in SIMD batches, coupled by few rows (systems/robots)
 //     BodiesSystem   deep trees, with the accelerations of all bodies as unknowns (systems/bodies)
 //     MatrixSystem   the whole matrix K above by any factor, e.g. the dense reference solver (systems/matrix)
 //
 // SIMD batches first solve single-robot islands (systems/robots/alone.cpp). The first system with a sound solution also
-// computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp). If a system cannot,
-// MatrixSystem does (`ask` in internal.hpp). Results are stamped with their state (Workspace::state).
+// computes derivatives, products and bounds, unless another is cheaper (differentiate.cpp). If this system fails,
+// MatrixSystem computes them (`ask` in internal.hpp). Results are stamped with their state (Workspace::state).
 
 #include <algorithm>
 
@@ -26,7 +28,8 @@ struct ThreadWork;
 
 namespace internal {
 
-/// Accuracy of an island's a or f: its largest entry, error bound, and the size that loads may cause, all in one unit.
+/// The accuracy of an island's a or f: the largest entry (size), its error bound (error), and the largest magnitude
+/// that the loads may cause (acts).
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -35,8 +38,8 @@ struct Known {
   bool uncertain() const { return !(error < std::max(size, acts)) && error != 0; }
 };
 
-/// The largest loads on an island: gravity; torques and bias forces, also divided by inertia; terms of contact rows
-/// divided by moment arms. Errors of accelerations and forces are judged relative to acceleration() and force().
+/// The largest loads on an island: gravity; torques and bias forces (load), and these divided by inertia (moved); terms
+/// of contact rows divided by moment arms (answered). Errors of a and f are judged relative to acceleration(), force().
 struct Acting {
   double gravity = 0, load = 0, moved = 0, answered = 0, inertia = 0, lever = 0;
   void add_coordinate(double torque, double its_inertia) {
@@ -68,7 +71,8 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
-/// A way to solve an island. Every function returns false if it has no sound result; its output is then undefined.
+/// An algorithm that solves an island. A function that has no sound result returns false and leaves its outputs
+/// undefined.
 class IslandSystem {
  public:
   virtual ~IslandSystem() = default;

@@ -65,7 +65,8 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Returns whether refinement of x converged. It makes one step more than the residual needs, as K's condition demands.
+// Refines x until the residual no longer decreases, as a small residual alone does not suffice for an ill-conditioned
+// K. Returns whether x converged.
 template <class S>
 bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());

@@ -19,7 +19,7 @@ template <class S>
 TruthTerms<S> truth_terms(const Scene& scene, const std::vector<char>& active, const VecX<S>& q, const VecX<S>& v,
                           std::span<const Vec6<S>> w);
 
-/// Returns B u - h of one robot, B the selection of actuated coordinates.
+/// Returns B u - h of one robot, where B selects the actuated coordinates.
 template <class S>
 VecX<S> bias_torques(const Scene& scene, const TruthTerms<S>& t, int robot, const VecX<S>& u);
 

@@ -12,7 +12,8 @@ inline void take_changes(const Contact& from, Contact& to) {
   to.B.placement = from.B.placement;
 }
 
-/// Copies what may change except contacts. `to` contains robots, wrenches and springs of `from` once or several times.
+/// Copies the properties of a scene that may change, except those of contacts. `to` contains the robots, wrenches and
+/// springs of `from` once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;

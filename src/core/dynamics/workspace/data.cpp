@@ -11,7 +11,7 @@ namespace manycontact {
 
 Workspace::Workspace(const Scene& s)
     : scene(s), robots(s.robots.size()), supports(s.contacts.size()), contacts(s.contacts.size()) {
-  for (const Contact& contact : s.contacts)  // a fixed end's robot may be in no island of the contact
+  for (const Contact& contact : s.contacts)  // a fixed end's robot may not be in the contact's island
     for (const Attachment* at : {&contact.A, &contact.B})
       if (at->robot >= 0 && !moves(*at)) internal::make_robot(s, *this, at->robot);
   rows_state.assign(s.contacts.size(), 0);

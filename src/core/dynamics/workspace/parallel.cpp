@@ -19,7 +19,7 @@ namespace manycontact::internal {
 int default_threads() { return omp_get_max_threads(); }
 
 #if __has_include(<pthread.h>)
-// Releases libgomp's threads before a fork, as the child would wait forever for threads that do not exist there.
+// Releases libgomp's threads before a fork, as the child process would wait forever for threads that it does not have.
 const int given_back_before_fork = pthread_atfork([] { omp_pause_resource_all(omp_pause_soft); }, nullptr, nullptr);
 #endif
 

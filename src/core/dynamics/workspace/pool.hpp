@@ -11,17 +11,18 @@ namespace manycontact {
 class IslandShape;
 struct IslandWork;
 
-/// Unused islands by shape: the most recently used ones, up to `most` bytes.
+/// Unused islands, found by their shapes. If they exceed `most` bytes, `trim` deletes the least recently used.
 class IslandPool {
  public:
   std::size_t most = std::size_t(256) << 20;
 
   /// Removes and returns an island of this shape; nullptr if there is none.
   std::unique_ptr<IslandWork> take(const IslandShape& shape);
-  /// Adds an island. now: Workspace::layout, the time of its last use.
+  /// Adds an island. now: Workspace::layout, which counts as the time of the island's last use.
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
   void clear();
-  /// Above `most` bytes, deletes the least recently used islands until half remains. Returns whether it deleted any.
+  /// If the islands exceed `most` bytes, deletes the least recently used until at most half of `most` remains. Returns
+  /// whether any were deleted.
   bool trim();
 
   /// Calls use(island) for all islands of the pool.

@@ -1,4 +1,5 @@
-// Updates the islands of a contact set: only islands with switched contacts change, and shapes are analysed once.
+// Updates the islands after contacts were switched. Only islands with switched contacts change; shapes are analysed
+// once.
 
 #include <algorithm>
 #include <set>
@@ -27,7 +28,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-// Returns the options for w.islands. With a reduction only views use these islands, so no order is searched.
+// Returns the options for w.islands. With a reduction, only views use these islands, so that any order will do.
 Options options_of_islands(const Workspace& w) {
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
@@ -110,7 +111,7 @@ void forget_unused(Workspace& w) {
   internal::forget_unused_groups(w);
 }
 
-// Moves the memory of derivatives into the islands, so that it goes with an island to the pool and back.
+// Moves the memory of derivatives into the islands, so that the pool keeps it with each island.
 void keep_derivatives(Workspace& w) {
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);

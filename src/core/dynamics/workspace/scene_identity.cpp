@@ -30,7 +30,7 @@ std::string counts(const char* what, std::size_t was, std::size_t is) {
 
 }  // namespace
 
-// Returns the name of a property that must not change under data in use (data.hpp) but did; nullptr if none.
+// Returns the name of a property that changed though it must not while data are in use (data.hpp); nullptr if none.
 const char* SceneIdentity::changed(const OfContact& was, const Contact& is) {
   if (was.type != is.type) return "type";
   if (was.robot_A != is.A.robot || was.joint_A != is.A.joint) return "body A";
@@ -66,7 +66,7 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t r = 0; out.empty() && r < models_.size(); ++r) out = difference_of_robot(scene, r);
   for (std::size_t c = 0; out.empty() && c < contacts_.size(); ++c) out = difference_of_contact(scene, c);
   if (!out.empty()) return out;
-  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // a scene without any is accepted
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // all may be removed
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {

@@ -9,9 +9,10 @@ namespace manycontact {
 class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
-  /// Describes how `scene` differs from the scene stored; empty if it does not.
+  /// Describes how `scene` differs from the stored scene; empty if it does not differ.
   std::string difference(const Scene& scene) const;
-  /// Describes a difference in the numbers of robots and contacts, or in those of an island. Its cost is the island's.
+  /// Describes how `scene` differs in the numbers of robots and contacts, or in robots and contacts of `island`. The
+  /// time depends on the size of the island only.
   std::string difference(const Scene& scene, const Island& island) const;
 
  private:
@@ -32,7 +33,7 @@ class SceneIdentity {
     int robot, joint;
     bool is(const Attachment& at) const { return at.robot == robot && at.joint == joint; }
   };
-  std::vector<Body> wrenches_, springs_, joint_springs_;  // springs: A and B of each
+  std::vector<Body> wrenches_, springs_, joint_springs_;  // springs_: bodies A and B of each spring
 };
 
 }  // namespace manycontact

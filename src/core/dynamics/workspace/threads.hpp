@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Calls work(item, thread's memory) for items 0 ... count-1. Thread k mod (number of threads) has item k. Throws
+/// Calls work(item, thread's memory) for items 0 ... count-1. Item k runs in thread k mod (number of threads). Throws
 /// what `work` throws.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
@@ -14,7 +14,8 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
             [&](std::ptrdiff_t item, int thread) { work(static_cast<std::size_t>(item), w.threads[thread]); });
 }
 
-/// Calls the each_item above if `worth_threads`; else runs all items in the calling thread, with their threads' memory.
+/// Calls the each_item above if `worth_threads`. Otherwise all items run in the calling thread, but each with the
+/// memory of the thread that the function above would choose.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work) {
   if (worth_threads) return each_item(w, count, work);
@@ -25,11 +26,11 @@ void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work)
 inline bool are_worth_threads(const Workspace& w, double seconds) {
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
-/// Calls work(island, number of the island, workspace of the thread) for each island that is not `done`. Islands for
-/// which with_all_threads(island) is true come first, one by one, as each uses all threads.
+/// Calls work(island, number of the island, thread's memory), first for islands with with_all_threads(island), one by
+/// one, as each uses all threads. The other islands for which done(island) is false follow in parallel.
 template <class Done, class WithAllThreads, class Work>
 void each_island(Workspace& w, Done&& done, WithAllThreads&& with_all_threads, Work&& work) {
-  w.done.assign(w.islands.size(), 0);  // a copy, as `work` may change these conditions
+  w.done.assign(w.islands.size(), 0);  // stored, as `work` may change the results of done(island)
   for (std::size_t i = 0; i < w.islands.size(); ++i)
     if (with_all_threads(*w.islands[i])) {
       work(*w.islands[i], i, w.threads.front());

@@ -23,7 +23,8 @@
 
 namespace manycontact {
 
-/// One robot's terms at q, v, in its tree frame; set by evaluate. kin.a: bias accelerations, except during AtSolution.
+/// One robot's terms at q, v, in its tree frame; set by evaluate. While an AtSolution exists, kin.a are the solution's
+/// accelerations of bodies, otherwise the bias accelerations.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
   std::uint64_t state = 0;   // Workspace::state at which all members were computed
@@ -45,10 +46,10 @@ struct IslandWork {
   std::unique_ptr<BodiesSystem> bodies;  // used if sparse-bodies was chosen
   MatrixSystem matrix;
 
-  bool joinable = true;              // whether a RobotsSystem may exist: the robots fit, and it is cheaper
+  bool joinable = true;              // whether a RobotsSystem is possible, and not predicted to be slower
   IslandSystem* answered = nullptr;  // the system that solved, and also differentiates; nullptr: no solution
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
-  /// The value of `answered` if a SIMD batch of single-robot islands solved; this object has no functions.
+  /// The value of `answered` if a SIMD batch of single-robot islands solved the island. This object solves nothing.
   inline static IslandSystem batches;
   /// Whether a SIMD batch solved the island, and may compute its derivatives and products.
   bool served_in_lanes() const { return answered_by(&batches) && alone.panel_is_safe; }
@@ -58,7 +59,7 @@ struct IslandWork {
   int factorizations = 0;  // number of factorizations of K, whole or robot by robot, in the current solve
   bool deficient = false;  // whether a system other than `matrix` found dependent rows at the current state
 
-  IslandDerivatives derivatives;  // memory of derivatives while in the pool; else it is in Workspace::derivatives
+  IslandDerivatives derivatives;  // memory of derivatives in the pool; otherwise they are in Workspace::derivatives
 };
 
 struct ProductWork {
@@ -70,7 +71,7 @@ struct ProductWork {
   };
   explicit ProductWork(const Scene& scene);
   std::vector<OfRobot> robots;
-  Eigen::VectorXd a, y;  // right-hand side, then solution x = [a; y], of the scene with all contacts active
+  Eigen::VectorXd a, y;  // right-hand side, then solution x = [a; y]; nv, and rows of all contacts at most
   Eigen::VectorXd tau;   // nv: dtau or wtau
 };
 
@@ -131,7 +132,8 @@ struct Workspace {
   OnDemand<ContactData<double>> contacts;  // constraint rows, at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // one entry per contact: the `state` at which its rows were evaluated
 
-  // ContactData::left of pairs (contact/pair_rows.hpp), set with the rows; offsets in `left` per contact, -1: no pair
+  // Pairs only: ContactData::left (contact/pair_rows.hpp), set with the rows. left_offset: where each contact's numbers
+  // begin in `left`; -1: no pair.
   std::vector<int> left_offset;
   std::vector<double> left;
 
@@ -153,7 +155,7 @@ struct Workspace {
 
 namespace internal {
 
-/// Throws std::invalid_argument, naming `function`, if data are not of this scene. With an island, only its
+/// Throws std::invalid_argument, naming `function`, if data are not of this scene. With `island`, only the island's
 /// robots and contacts are compared, so that a check of each island costs no more than one of the scene.
 void check_scene(const Scene& scene, const SceneData& data, const char* function, const Island* island = nullptr);
 /// Calls check_scene, and throws std::logic_error unless data contain a solution for the active contacts.

@@ -81,7 +81,7 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in open elements. Returns the elements where each entry of x changes by up to kSameSize of itself.
+/// Sets x += K^-1 r in open elements. Returns the elements where no entry x_k changes by more than kSameSize |x_k|.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -150,7 +150,7 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   const Mask safe = terms * S(std::numeric_limits<double>::epsilon()) <= S(tolerance::kConverged) * entries;
   const S factor = select(entries > S(0), terms / entries, S(1));
   Mask sound = usable_ & (factor <= S(std::numeric_limits<typename S::Element>::max()));
-  if constexpr (!kSingle) sound = sound & plainly_damped(job.scene.damping);  // checked in solve_unrefined for floats
+  if constexpr (!kSingle) sound = sound & plainly_damped(job.scene.damping);  // solve_unrefined judges floats
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const int lane = static_cast<int>(l);
     Answer& answer = answers[l];
@@ -168,7 +168,8 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether terms of damped contact rows are up to kInDoubt delta |f|, |f| at least kLeastLoad of the loads.
+/// Whether the terms of damped contact rows are at most kInDoubt delta |f|, so that their rounding errors are small.
+/// |f| counts as at least kLeastLoad times the loads.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();

@@ -1,6 +1,7 @@
 #pragma once
-// RobotBlock: computes derivatives K^-1 B of single-robot islands, B = -dr/d(q, v, u), or K_r^-1 [E, B_r] of coupled
-// robots: B_r by own coordinates and torques, E forces on bodies of coupling contacts (systems/robots/derivatives.hpp).
+// RobotBlock: computes derivatives K^-1 B of single-robot islands, where B = -dr/d(q, v, u). For coupled robots,
+// computes K_r^-1 [E, B_r], where B_r is -dr/d(q, v, u) of the robot alone, and E are unit forces on the bodies of
+// coupling contacts (systems/robots/derivatives.hpp).
 
 #include <functional>
 #include <numeric>
@@ -73,7 +74,8 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and contacts on its bodies.
+/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and the contacts on bodies
+/// that the coordinate moves.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -127,8 +129,9 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   request_ = job.request;
 }
 
-/// Forms bands of columns whose solutions fit in the L2 cache and, in each, chunks of parts with similar nonzero rows.
-/// Allocates right-hand sides and solutions. reach: flags of each part's nonzero rows, in the pattern's order.
+/// Forms bands of columns whose solutions fit in the L2 cache and, in each band, chunks of parts (kPart adjacent
+/// columns) with similar nonzero rows. Allocates right-hand sides and solutions. reach: flags of each part's nonzero
+/// rows, in the pattern's order.
 template <class S>
 auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
@@ -147,7 +150,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
   bands_.clear(), reach_.clear(), reached_.clear();
   place_.assign(size * ld, -1);
   pieces_.resize(parts);
-  std::size_t count = 0, at = 0, most = 0;  // sizes of right-hand sides, of this band, of the largest
+  std::size_t count = 0, at = 0, most = 0;  // sizes: of right-hand sides, of this band, of the largest band
   for (int next = 0; next < parts;) {
     const int band = order[next] / wide;
     if (static_cast<std::size_t>(band) == bands_.size()) bands_.push_back({band * wide, 0, chunks.size(), 0}), at = 0;
@@ -198,7 +201,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
     const Indexed top = B.block(0, job.q_first);
     internal::robot_columns<S>(*model_, rnea_.dq_lower.data(), rnea_.dq_upper.data(), top);
     next = 6;
-    for (std::size_t k = 0; k < plan_->joins(); ++k) {  // adds E D, D of the robot's own coordinates
+    for (std::size_t k = 0; k < plan_->joins(); ++k) {  // adds E D for the robot's own coordinates
       const std::vector<int>& columns = plan_->supports[contacts_.size() + k].a;
       const int count = static_cast<int>(columns.size());
       load_arrays(side_by_side(robots, from, [&](const Robot& r) -> const double* { return r.ends + next; }),
@@ -227,7 +230,8 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Returns the elements whose panels need no refinement: |dK|_1 / |K|_1 of sparse::ldl_rounding is up to kRefinePanel.
+/// Returns the elements whose panels need no refinement, as the bound |dK|_1 / |K|_1 of the factor's rounding errors
+/// (sparse::ldl_rounding) is at most kRefinePanel.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
@@ -249,7 +253,7 @@ const S* RobotBlock<S>::inner_L() {
   return inner_L_.data();
 }
 
-/// Writes [da; df] = K^-1 B into the panels of the elements `of`. waiting: their redundant rows, or nullptr.
+/// Writes [da; df], from K^-1 B = [da; -df], into the panels of the elements `of`. waiting: redundant rows, or nullptr.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {
@@ -329,7 +333,7 @@ void RobotBlock<S>::solve_columns(const S* L, std::size_t chunk, WaitingRows<S>*
   load_chunk<N>(chunk, x);
   apply_inverse(waiting ? nonzero_.data() : reached, x);
   if (!waiting) return;
-  // The projection rounds small entries to the size of large ones; X += K^+ (B - K X) corrects them.
+  // The projection of large entries leaves rounding errors in small entries, which X += K^+ (B - K X) corrects.
   Number* r = as_scalar(correction_.data());
   std::fill_n(r, size * N, Number(0));
   load_chunk<N>(chunk, r);
@@ -401,7 +405,7 @@ void RobotBlock<S>::least_norm_columns(const DerivativeJob& job, Robots robots) 
     });
 }
 
-/// Sets df += P D for a chunk's columns of X = [da; -df]; P projects on the null space of J^T.
+/// Sets df += P D for a chunk's columns of X = [da; -df], where P projects on the null space of J^T, and D is rate_.
 template <class S>
 template <int N>
 void RobotBlock<S>::subtract_least_norm_columns(std::size_t chunk, Number* X) {

@@ -112,7 +112,7 @@ void RobotBlock<S>::begin(Robots robots) {
   forward(robots, all());
 }
 
-/// Computes w = L^-1 r and its contribution to the border; both are zero for robots that are not `open`.
+/// Computes w = L^-1 r and the contribution of w to the border. Both are zero for robots that are not `open`.
 template <class S>
 void RobotBlock<S>::forward(Robots robots, Mask open) {
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));

@@ -1,7 +1,7 @@
 #pragma once
-// Rows of J without a sound pivot that are independent of the kept rows, in single-robot islands. K1 is K of the kept
-// rows. These rows are eliminated last, by the Schur complement T (rank/waiting_rows.hpp). They are the columns of B;
-// column k contains the k-th such row of each element (robot). The solution (x, y) for right-hand sides (b1, b2) is
+// Joining rows, in single-robot islands: rows of J without a sound pivot that are independent of the kept rows. They
+// are eliminated last, by the Schur complement T (rank/waiting_rows.hpp). K1 is K of the kept rows; column k of B
+// contains the k-th joining row of each element (robot). The solution (x, y) for right-hand sides (b1, b2) is
 //
 //     Z = K1^-1 B,    T = B^T Z = L D L^T,    y = T^-1 (Z^T b1 - b2),    x = K1^-1 b1 - Z y.
 
@@ -94,7 +94,8 @@ class JoiningRows {
     });
   }
 
-  /// The steps for the listed rows, before and after the caller's x <- K1^-1 x, for C columns, row-major.
+  /// Extend a solve to the listed rows. Call `before`, then overwrite x with K1^-1 x, then call `after`. x: C columns,
+  /// row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;

@@ -18,7 +18,8 @@ void RobotBlock<S>::keep(std::uint64_t serial, Robots robots) {
   std::transform(robots.begin(), robots.end(), kept_.begin(), [](const Robot& r) { return r.number; });
 }
 
-/// Evaluates kinematics and rows at the solution, K and its factor; of coupled robots with memory nullptr: kinematics.
+/// Evaluates kinematics and contact rows at the solution, and for single-robot islands K and its factor. For coupled
+/// robots with memory nullptr, evaluates only the kinematics.
 template <class S>
 template <class Job>
 void RobotBlock<S>::linearise(const Job& job, Robots robots, double* memory) {

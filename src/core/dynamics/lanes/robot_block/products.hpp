@@ -38,7 +38,7 @@ internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robot
           robot_.kin};
 }
 
-/// Computes y_ with J y = f, f the contact forces.
+/// Computes y_ such that J y_ are the contact forces.
 template <class S>
 void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
@@ -48,7 +48,7 @@ void RobotBlock<S>::motion_of_forces() {
   for (int i = 0; i < model_->nv; ++i) y_[i] = n_.x[pattern_.iperm[i]];
 }
 
-/// Sets df += P D dq in x = [da; -df].
+/// Sets df += P D dq in x = [da; -df], where D = d(J y)/dq and P projects on the null space of J^T.
 template <class S>
 void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, const std::vector<S>& dq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
@@ -62,14 +62,14 @@ void RobotBlock<S>::add_least_norm_tangent(const Scene& scene, Robots robots, co
   for (int k = 0; k < rows_; ++k) n_.x[k] -= waiting_.null_component(k);
 }
 
-/// Stores P b in waiting_.null_component, for b = [wa; -wf], before the solve.
+/// Stores P b in waiting_.null_component, for b = [wa; -wf], before the solve. P projects on the null space of J^T.
 template <class S>
 void RobotBlock<S>::project_forces() {
   std::copy_n(n_.b, rows_, n_.w);
   waiting_.take_out(n_.w);
 }
 
-/// Sets wq += D^T P wf.
+/// Sets wq += D^T P wf after project_forces, where D = d(J y)/dq and P projects on the null space of J^T.
 template <class S>
 void RobotBlock<S>::add_least_norm_adjoint(const Scene& scene, Robots robots, std::vector<S>& wq) {
   for (std::size_t k = 0; k < contacts_.size(); ++k) {

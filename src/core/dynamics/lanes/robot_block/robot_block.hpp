@@ -83,7 +83,8 @@ class RobotBlock final
     waiting_.use(numbers + plan_->waiting_at());
   }
 
-  /// Numbers of panel columns: solved at a time (a chunk); in registers, for four rows; adjacent in the panel (a part).
+  /// Numbers of panel columns: at_a_time are solved together (a chunk), in_registers are kept in registers for four
+  /// rows, of_part are adjacent in the panel (a part).
   struct Columns {
     int at_a_time, in_registers, of_part;
   };
@@ -295,7 +296,7 @@ class RobotBlock final
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero
   std::vector<int> unset_;     // entries of B_ to set to zero before contact terms are added
   std::vector<S> inner_L_;     // L without the border's rows
-  std::vector<S> packed_;      // sparse::ldl_pack
+  std::vector<S> packed_;      // L in the order of sparse::ldl_pack
   std::vector<S> inverse_;
   std::vector<double> Lx_, Dx_, Kx_;  // one robot's L, D, K
   std::vector<Piece> pieces_;

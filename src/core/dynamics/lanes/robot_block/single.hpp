@@ -1,7 +1,7 @@
 #pragma once
 // RobotBlock of floats: solves single-robot islands without refinement. A second solve estimates the effect of rounding
 // errors. Its right-hand side is the residual b - K x plus eps times each row's terms, with pseudo-random signs. Terms
-// are magnitudes in the tree frame, as residuals do not show digits lost by links far from the base.
+// are magnitudes in the tree frame, as residuals do not reveal digits that were lost for links far from the base.
 
 #include <cstdint>
 #include <numbers>
@@ -34,7 +34,7 @@ void RobotBlock<S>::make_single() {
   }
 }
 
-/// Loads q such that floats keep most digits: without whole revolutions, world positions relative to the robot's base.
+/// Loads q such that floats keep most digits: without whole revolutions, and with the robot's base at the origin.
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_near(const Job& job, Robots robots) {
@@ -115,7 +115,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
     double gain = std::abs(c.alpha);
     for (std::size_t m = 0; c.pair && m < c.pair->members.size(); ++m)
       gain = std::max(gain, std::abs(c.pair->members[m].alpha));
-    S far = size_of<S>(place);  // distance from the base, rounded by eps far
+    S far = size_of<S>(place);  // distance from the base; its rounding error is eps far
     for (const Attachment* at : {&c.A, &c.B})
       if (moves(*at)) far += size_of<S>(kin.origin(at->joint));
     const S lever = contacts_[k].joint_lever + size_of<S>(contacts_[k].aMA.p);
@@ -144,8 +144,8 @@ typename S::Mask RobotBlock<S>::knows_turns(const Scene& scene, Robots robots) c
   return out;
 }
 
-/// Solves x = K^-1 b. Robots remain usable whose rounding errors change accelerations by up to tolerance::kWorthless of
-/// the largest acceleration or gravity, and forces by up to tolerance::kWorthless of the largest force.
+/// Solves x = K^-1 b. A robot remains usable if rounding errors change accelerations by at most tolerance::kWorthless
+/// times the largest acceleration or gravity, and forces by at most tolerance::kWorthless times the largest force.
 template <class S>
 void RobotBlock<S>::solve_unrefined(const Scene& scene, Robots robots) {
   std::copy_n(n_.b, rows_, n_.x);

@@ -101,7 +101,8 @@ void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// Sets the bias of a time step h to h times the inverse dynamics at (q, v, a_), and then velocities to zero.
+/// Sets the bias torques robot_.h to start.h (the time step) times the inverse dynamics at (q, v, a_), then velocities
+/// to zero.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
@@ -156,7 +157,7 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes sizes of rows of J and the motion scale, to find rows of mere rounding errors, which pivots do not show.
+/// Computes sizes of rows of J and the motion scale, to find rows of mere rounding errors, which pivots do not reveal.
 /// With damping every row is sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {

@@ -1,8 +1,9 @@
 #pragma once
 // Waiting rows of J in a SIMD batch (rank/dependent_rows.hpp), i.e. rows without a sound pivot. Each element (robot)
-// lists its own waiting rows; their inverse pivots are zero. Column k of N has, per element, n = e - z for the k-th
-// listed row (unit vector e), which equals J^T z, a combination of kept rows. In single-robot islands, independent
-// waiting rows join the kept rows (joining_rows.hpp). Q are the orthogonalised columns of N; P projects on their span.
+// lists its own waiting rows; their inverse pivots are zero. The columns of N span the null space of J^T. Column k is,
+// per element, e - z, where e is the unit vector of the k-th listed row, and this row equals J^T z, a combination of
+// kept rows. In single-robot islands, independent waiting rows join the kept rows (joining_rows.hpp). Q are the
+// orthogonalised columns of N; P projects on their span.
 
 #include <limits>
 #include <span>
@@ -49,7 +50,8 @@ class WaitingRows {
   /// Entry k of P x that take_out subtracted from x.
   const S& null_component(int k) const { return null_component_[k]; }
 
-  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows.
+  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows of an
+  /// element.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
@@ -74,11 +76,12 @@ class WaitingRows {
   }
 
   /// Computes N and Q after the factorization. Returns the usable elements whose waiting rows all join the kept rows,
-  /// or depend on kept rows with tolerable coefficients z. solve(x): x <- K1^-1 x, K1 the K of kept rows.
+  /// or depend on kept rows with tolerable coefficients z. solve(x): overwrites x with K1^-1 x; K1 is K of kept rows.
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// The steps for joined rows, before and after the caller's x <- K1^-1 x, for C columns.
+  /// Extend a solve to the joined rows: call before_solve, then overwrite x with K1^-1 x, then call after_solve. x: C
+  /// columns, row-major.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);
@@ -332,7 +335,8 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
 
-/// Sets column c of N to e_k - z, k the waiting row, where L^T z = l_k over the rows of J before k; l_k: row k of L.
+/// Sets column c of N to e_k - z for the waiting row k. L^T z = l_k over the rows of J before k, where l_k is row k of
+/// L.
 template <class S>
 void WaitingRows<S>::null_column(int c, const S* L) {
   for (int k : of_J_) x_[k] = N(c, k) = S(0);
@@ -350,7 +354,7 @@ void WaitingRows<S>::null_column(int c, const S* L) {
   list_column(c);
 }
 
-/// Sets left_ = J^T n, n column c of N or Q. Returns the largest entry relative to the sizes of J's rows, or NaN.
+/// Sets left_ = J^T n for column n = c of N or Q. Returns its largest entry relative to the sizes of J's rows, or NaN.
 template <class S>
 S WaitingRows<S>::residual(int c, const S* K) {
   std::fill(left_.begin(), left_.end(), S(0));
@@ -364,7 +368,7 @@ S WaitingRows<S>::residual(int c, const S* K) {
   return select(largest > S(0), largest / size, sum);
 }
 
-/// Corrects z of column c in open elements by K1^-1 times the residual left_: small pivots make null_column inaccurate.
+/// Corrects z of column c in open elements by K1^-1 times the residual left_. Small pivots make null_column inaccurate.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {

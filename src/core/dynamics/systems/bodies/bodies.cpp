@@ -155,7 +155,8 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Solves without the redundant rows. Their inconsistency is removed from b for the solve; the residual includes it.
+// Solves without the redundant rows. Their inconsistency is removed from b for the solve; the reported residual
+// includes this inconsistency.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;
@@ -168,7 +169,7 @@ Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinem
   return Reason::kNone;
 }
 
-// Whether sparse-bodies drops redundant rows. With few coordinates MatrixSystem is as fast, and provides derivatives.
+// Whether sparse-bodies drops redundant rows. With few coordinates MatrixSystem is as fast, and has derivatives, too.
 bool drops_rows_here(const Scene& scene, const SceneData& data, const Island& island) {
   return may_drop_rows(scene, island.contacts) &&
          (data.options.method == Method::kSparseBodies || island.nv >= tolerance::kFewCoordinates);

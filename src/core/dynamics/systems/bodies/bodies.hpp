@@ -1,6 +1,6 @@
 #pragma once
-// Solves an island by sparse-bodies (kkt/bodies), whole or by subtrees. At a cut, i.e. a body with six independent rows
-// that determine its acceleration, the subtree below can be solved by itself.
+// Solves an island by sparse-bodies (kkt/bodies), as a whole or subtree by subtree. A cut is a body with six
+// independent rows that determine its acceleration; the subtree below a cut can be solved separately.
 
 #include "../../lanes/lanes.hpp"
 #include "../../lanes/subtrees.hpp"
@@ -82,7 +82,8 @@ struct BodyAnswer {
 /// Solves subtree by subtree. Returns false if the island is one subtree, or if a subtree has no sound solution.
 bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
-/// Evaluate one body of a robot into node `at` and coordinates from `dof` on, or a contact into rows from `first` on.
+/// Evaluate the equations of one body (as node `at`, with coordinates from `dof` on), or of one contact (as rows from
+/// `first` on).
 void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t robot, int joint,
                    int at, int dof, BodySystem& system, BodyVectors& b);
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t contact,

@@ -2,9 +2,10 @@
 //
 //   |z - z_true| <= |A^-1| (|r| + c eps (|A||z| + |b|)),
 //
-// where an equation has terms of one body and its parent. A is symmetric if the body's acceleration is paired with the
-// equation of forces, and its force with that of accelerations. Rounding errors of b are relative to its terms: terms
-// v x* Y v, of size |v|^2 |Y|, cancel for bodies that are fast relative to their joints.
+// where c eps is a relative rounding error, and r = b - A z. Each equation has terms of one body and its parent. A is
+// symmetric if the body's acceleration is paired with the equation of forces, and the body's force with the equation of
+// accelerations. Rounding errors of b are relative to the terms that b is computed from: terms v x* Y v, of size
+// |v|^2 |Y|, cancel if bodies move fast relative to their joints.
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +29,8 @@ internal::RowTerms<double> answered(const Contact& contact, const ContactData<do
   return internal::row_terms<double>(contact, rows, place);
 }
 
-// Returns |r| + c eps (terms) of each equation: six of a and six of f per body, then joints, then contact rows.
+// Returns |r| plus c eps times the terms of each equation. The order is: per body, six equations of a and six of f;
+// then joints; then contact rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;
@@ -131,7 +133,7 @@ bool BodiesSystem::bound_errors(const Scene& scene, SceneData& data, IslandRepor
   const BodyVectors& x = solution.x;
   (void)backward_error(factor.system, solution.b, x, solution.residual);
   const std::vector<double> w = uncertainty(scene, data, *this);
-  // distance of the reported solution, possibly by subtrees, to that of the whole island, whose error is bounded
+  // distance of the reported solution, which may be by subtrees, to that of the whole island, whose error is bounded
   double da = 0, df = 0;
   each_velocity_block(scene, owner.island, [&](int from, int to, int n) {
     if (n > 0) da = std::max(da, (data.a.segment(from, n) - x.joints.segment(to, n)).cwiseAbs().maxCoeff());

@@ -1,4 +1,5 @@
-// jvp and vjp by sparse-bodies: as derivatives/products.cpp, but in body frames, and da, df of all bodies are unknowns.
+// Computes jvp and vjp by sparse-bodies, like derivatives/products.cpp, but in body frames, and with the changes of all
+// bodies' accelerations and forces as unknowns.
 
 #include "manycontact/contact/products.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Returns S x, S the motion columns of node i's joint.
+// Returns S x, where S are the motion columns of node i's joint.
 V6 combine(const BodySystem& s, int i, const double* x) {
   const int first = s.pattern->first_dof[i];
   V6 out = s.S.col(first) * x[first];
@@ -40,7 +41,8 @@ void each_node(const BodiesSystem& form, Use&& use) {
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
 }
 
-// Computes the bodies' displacements and velocity changes by (dq, dv), and d(S qdd + c), d(Y a + p), d(S^T f).
+// Computes the bodies' displacements and velocity changes along (dq, dv). Computes the changes of the joints' relative
+// accelerations S qdd + c, inertial forces Y a + p and torques S^T f, at constant qdd, a and f.
 void tangent_bodies(BodiesSystem& form, const double* dq, const double* dv) {
   const BodySystem& s = form.factor.system;
   const BodyVectors& x = form.solution.x;
@@ -90,7 +92,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Computes gradients of the equations Y a + p of the bodies, given the adjoint solution (u, l) in products.x.
+// Computes the gradients of the bodies' inertial forces Y a + p, given the adjoint solution in products.x.
 void adjoint_bodies(BodiesSystem& form) {
   const BodySystem& s = form.factor.system;
   each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
@@ -119,7 +121,7 @@ void adjoint_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Converts gradients per body into gradients wq, wv per coordinate, as pull_back in algorithm/rnea_products.hpp.
+// Converts gradients per body into gradients wq, wv per coordinate, as pull_back (algorithm/rnea_products.hpp) does.
 void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;

@@ -32,7 +32,7 @@ struct TwistSize {
   }
 };
 
-// Magnitudes of an inertia's mass m, first moment h and moments I, or of the terms of their sums if larger.
+// Magnitudes of an inertia's mass m, first moment h and moments I; h and I at least those of m at distance `lever`.
 struct InertiaSize {
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
@@ -54,10 +54,11 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 
 }  // namespace
 
-// Terms of M: S^T Yc S; of h: S^T f (joint motions S, composite inertias Yc, forces f, all in the tree frame).
+// The terms of M are S^T Yc S, those of h are S^T f, with joint motions S, composite inertias Yc and bodies' forces f,
+// all in the tree frame.
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
-  std::vector<TwistSize> v(n), acceleration(n), force(n);  // magnitudes, the largest along the path from the base
+  std::vector<TwistSize> v(n), acceleration(n), force(n);  // v, acceleration: largest from the base to the body
   std::vector<InertiaSize> Yc(n);
   for (int i = 0; i < model.njoints(); ++i) {
     if (const int parent = model.joints[i].parent; parent >= 0)
@@ -134,7 +135,8 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| + c eps (terms of each row), in elimination order. r: residual of K x = b without the inconsistency.
+// Returns |r| plus c eps times the terms of each row, in elimination order. r: residual of K x = b, without the
+// inconsistency of contacts.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -169,7 +171,7 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   return out;
 }
 
-// Estimates the largest kept_k (|K^-1| w)_k as the 1-norm of diag(w) K^-1 diag(kept). solve: x <- K^-1 x.
+// Estimates the largest kept_k (|K^-1| w)_k as the 1-norm of diag(w) K^-1 diag(kept). solve(x): x becomes K^-1 x.
 double bound(const Apply& solve, const std::vector<double>& w, const std::vector<double>& kept) {
   const int n = static_cast<int>(w.size());
   const auto mask = [&](double* x) {
@@ -183,7 +185,7 @@ double bound(const Apply& solve, const std::vector<double>& w, const std::vector
              n, [&](double* x) { mask(x), solve(x), scale(x); }, [&](double* x) { scale(x), solve(x), mask(x); });
 }
 
-// Returns weights `kept` of K's unknowns in rows first ... first+count-1: 1 for a, S for f. Other weights are zero.
+// Returns weights of K's unknowns: in rows first ... first+count-1, 1 for a and the row's weight S for f, else zero.
 std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   std::vector<double> kept(m.owner.island.size(), 0.0);
   for (int k = first; k < first + count; ++k)
@@ -191,9 +193,9 @@ std::vector<double> kept_rows(const MatrixSystem& m, int first, int count) {
   return kept;
 }
 
-// Bounds the change P dJ y of least-norm forces f = J y by rounding errors dJ, which rotate the null space of J^T.
-// P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). dJ: c eps in the nonzero columns of each
-// row, and eps in all columns by orthogonal elimination (Higham, theorem 19.4).
+// Bounds the change P dJ y of least-norm forces f = J y that is due to rounding errors dJ, which rotate the null space
+// of J^T; P = I - J J^+ (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12). The relative errors dJ are c eps in
+// the nonzero columns of each row, and eps in all columns due to orthogonal elimination (Higham, theorem 19.4).
 double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m) {
   const int* iperm = m.K.pattern->iperm.data();
   const int n = m.owner.island.size();
@@ -225,7 +227,8 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 
 }  // namespace
 
-// dJ: c eps in nonzero columns of each row, and eps in all columns by orthogonal elimination (Higham, theorem 20.3).
+// The relative errors dJ are c eps in the nonzero columns of each row, and eps in all columns due to orthogonal
+// elimination (Higham, theorem 20.3).
 std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                                    const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
@@ -257,7 +260,8 @@ double projected_forces(const MatrixSystem& m) {
   return m.factor->projector_error() * f;
 }
 
-// The largest entry of the reported a or f, and the largest difference to x, the solution by K that is bounded.
+// The largest entry of the reported a or f (size), and its largest difference from x, the solution of K x = b whose
+// error is bounded (moved).
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

@@ -2,13 +2,14 @@
 //
 //     |Y - Y_true| <= |K^-1| (|R - K Y| + c eps T + c eps |K| |Y| + T_x),
 //
-// T are magnitudes of the terms of R, which may cancel; |K| includes magnitudes of the terms of K's entries. T_x is the
-// effect of errors of a and f on R, for derivatives with respect to q alone; external wrenches and springs have none.
-// If rows are dependent, with inconsistency rho and projection P R of R on the null space, rounding errors dJ of J add
+// T are magnitudes of the terms of R, which may cancel; |K| includes magnitudes of the terms of K's entries. c eps is a
+// relative rounding error. T_x is the effect of errors of a and f on R, for derivatives with respect to q alone; terms
+// of external wrenches and springs do not depend on a and f. If rows are dependent, with inconsistency rho and
+// projection P R of R on the null space, rounding errors dJ of J add
 //
 //     + |K^+ K^+| (|dJ^T P R| + |d(J^T drho)/dq|),
 //
-// as in bounds.cpp. drho is the uncertainty of rho: its rounding error, and all of rho if it is omitted in derivatives.
+// as in bounds.cpp. drho is the uncertainty of rho: the rounding error of rho, and rho itself if derivatives omit it.
 
 #include "../../applied_forces.hpp"
 #include "../../internal.hpp"
@@ -44,7 +45,7 @@ std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const 
   return out;
 }
 
-// Returns the largest linear and angular motions of a robot's coordinates; linear motions of a free base do not count.
+// Returns the largest linear and angular motions of a robot's coordinates, except linear motions of a floating base.
 RowTerms<double> largest_motions(const Model& model, const Kinematics<double>& kin) {
   RowTerms<double> out;
   for (int k = 0; k < model.nv; ++k) {
@@ -120,7 +121,8 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// Returns T_x, one entry per row of K in the island's order, if each acceleration has error a and each force error f.
+// Returns the terms T_x of the file header, one per row of K in the island's order, if each acceleration has error a
+// and each force error f.
 std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
                                     const std::vector<double>& terms_of_M, double a, double f) {
   const Workspace& work = *data.workspace;
@@ -154,7 +156,8 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   return out;
 }
 
-// Adds |dK| `sizes` to w, in elimination order. dK: errors, over c eps, of K's entries by their cancelling terms.
+// Adds |dK| times `sizes` to w, in elimination order. dK: errors of K's entries due to cancelling terms, divided by
+// c eps.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
@@ -248,7 +251,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
   const auto bound_columns = [&](const Columns& of, double& of_a, double& of_f) {
     if (of.count == 0) return;
     const KktPattern& p = *m.K.pattern;
-    const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // a, f change least squares
+    const double of_K = m.deficient() && m.contradiction ? c_eps + e : c_eps;  // errors of a, f change rho
     for (int k = 0; k < island.size(); ++k) sizes[p.iperm[k]] = of.largest(of.panel.Y, k);
     sparse::residual(p.K, m.K.values.data(), sizes.data(), none.data(), rest.data(), w.data());  // w = |K| sizes
     add_terms_of_K(scene, *data.workspace, m, terms, sizes, w);

@@ -43,7 +43,7 @@ void row_scales(const Scene& scene, const Workspace& w, const Island& island, st
   }
 }
 
-// Whether a row of the island's J consists of rounding errors only, relative to `size`. Pivots do not show this.
+// Whether a row of the island's J consists of rounding errors only, relative to `size`. Pivots do not reveal this.
 bool has_vanishing_row(const Scene& scene, const MatrixSystem& m, const std::vector<double>& size) {
   for (std::size_t c = 0; c < m.J.size(); ++c) {
     const Eigen::Index rows = scene.contacts[m.owner.island.contacts[c]].rows();
@@ -82,9 +82,10 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Returns a backward error that suits rows of mere rounding errors, as at rest or in free fall. A row's residual is
-// relative to the largest of: its terms; kPartOfData of its terms if M_jk were sqrt(M_jj M_kk) and J_jk row_size_j; and
-// its terms at the largest acceleration that loads cause. forces: set to sizes of J^T f.
+// Returns a backward error for states in which all terms of a row may be rounding errors, e.g. at rest or in free fall.
+// Each row's residual is divided by the largest of three magnitudes: the row's terms (of all contact rows for a contact
+// row); kPartOfData times the terms it would have if M_jk were sqrt(M_jj M_kk) and J_jk row_size_j; and eps /
+// kConverged times its diagonal term at the largest acceleration that loads cause. forces: set to the sizes of J^T f.
 double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const std::vector<double>& row_size,
                               std::vector<double>& forces) {
   const KktPattern& p = *m.K.pattern;
@@ -187,8 +188,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Adds LDL with waiting rows, unless the nc - nv rows that surely depend are too many in a large island. There it also
-// adds LDL of all rows, if sound pivots are expected (`plainly`), and then proximal steps.
+// Adds LDL with waiting rows, unless the island is large and the nc - nv rows that surely depend are too many. In a
+// large island, adds LDL of all rows too, if sound pivots are expected (`plainly`), and then proximal steps.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
   const bool large = m.owner.island.nc > tolerance::kFewRows;
   const int depend = m.owner.island.nc - m.owner.island.nv;

@@ -8,9 +8,10 @@
 // If rows depend, the least-norm force f is in J's range: P f = 0, P = I - J J^+. Its derivative at constant rank is
 // P df = P D dq, with D = d(J(q) y)/dq at constant y = J^+ f.
 //
-// The least-squares acceleration of inconsistent contacts, with rho = J a + a0, satisfies J^T rho = 0. Differentiated:
-// J^T (J da + dr2) + G dq = 0, G = d(J^T rho)/dq at constant rho; so J da = -dr2 - (J^T)^+ G dq in J's range.
-// J^T rho is zero at all q, so G dq is in the range of J^T, and K^+ [G dq; 0] = [0; (J^T)^+ G dq].
+// The least-squares acceleration of inconsistent contacts, with rho = J a + a0, satisfies J^T rho = 0. The derivative
+// of this equation is J^T (J da + dr2) + G dq = 0, with dr2 = drho at constant a, and G = d(J^T rho)/dq at constant
+// rho. So J da = -dr2 - (J^T)^+ G dq in J's range. J^T rho is zero at all q, so that G dq is in the range of J^T, and
+// K^+ [G dq; 0] = [0; (J^T)^+ G dq].
 
 namespace manycontact::internal {
 
@@ -37,7 +38,8 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// Returns a y with J y = f, computed once per solution. P D is the same for every such y: J n = 0 implies P d(J n) = 0.
+// Returns a y with J y = f, computed once per solution. P D (file header) is the same for every such y, since P d(J n)
+// is zero if J n = 0.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;
@@ -72,14 +74,15 @@ void take_motion(const Scene& scene, const Island& island, const ConstVector& dq
   each_velocity_block(scene, island, [&](int from, int to, int n) { dofs.segment(to, n) = dq.segment(from, n); });
 }
 
-// Sets rho to S times the inconsistency of the scaled rows S J: J^T S rho is differentiated with the unscaled J.
+// Sets rho to S times the inconsistency of the scaled rows S J, so that J^T rho is differentiated with the unscaled J.
 void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
   remake(rho, m.owner.island.nc);
   for (int k = 0; k < rho.size(); ++k)
     rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// Overwrites x, one entry per contact row, with S P S x, where P projects onto the null space of (S J)^T.
+// Overwrites x, one entry per contact row, with S P S x. S are the row weights, and P projects onto the null space of
+// (S J)^T.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());
@@ -92,7 +95,8 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Finds the contacts with rows in J^T's null space. Returns a zero panel of coordinates that change their J.
+// Finds the contacts with linearly dependent rows, and the coordinates on which J of these contacts depends. Returns a
+// panel of zeros with a column for each such coordinate.
 Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;
@@ -208,7 +212,7 @@ void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& m, con
 
 namespace {
 
-// Adds sign D(y)^T x to gradient, D(y) = d(J y)/dq. x: one entry per contact row.
+// Adds sign * D(y)^T x to gradient, where D(y) = d(J y)/dq. x: one entry per contact row.
 void add_transposed(const Scene& scene, const SceneData& data, const MatrixSystem& m, double sign,
                     const Eigen::VectorXd& y, const Eigen::VectorXd& x, Eigen::VectorXd& gradient) {
   each_contact(scene, m.owner.island, x, [&](std::size_t c, const auto& of_contact) {
@@ -230,7 +234,7 @@ bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& m,
   remake(w.dofs, island.nv);
   remake(w.gradient, island.nv);
   w.gradient.setZero();
-  if (m.contradiction) {  // G^T a = D(a)^T rho, a from K^+ [0; contact rows of v.x]
+  if (m.contradiction) {  // G^T a = D(a)^T rho, where [a; y] = K^+ [0; contact rows of v.x]
     for (int k = 0; k < island.size(); ++k)
       v.b[iperm[k]] = k < island.nv ? 0 : v.x[iperm[k]] / unit_of(m, k - island.nv);  // solve_product scaled v.x by S
     believed = solve_vector(m, v);

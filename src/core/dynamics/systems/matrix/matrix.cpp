@@ -25,7 +25,7 @@ bool MatrixSystem::deficient() const { return factor && factor->rank() < owner.i
 
 namespace {
 
-// Returns the product with x of the change that WithinTolerance made to J in K, in K's order; empty without a change.
+// Returns dK x in K's order, where dK is the change of J in K by WithinTolerance; empty if J is unchanged.
 std::vector<double> change_of(const MatrixSystem& m) {
   std::vector<double> out;
   m.each_change([&](int row, int column, double value) {
@@ -62,8 +62,8 @@ void take_answer(const Scene& scene, SceneData& data, const MatrixSystem& m, Isl
     report.backward_error = sparse::componentwise_backward_error(m.v.r, m.v.scale);
 }
 
-// Returns solve(), which returns whether there is a solution. If fewer rows are redundant than at the start of the
-// motion, it makes rows dependent within the constraint violation and calls solve() again.
+// Calls solve(), and returns its result, i.e. whether there is a solution. If fewer rows are redundant than at the
+// start of the motion, makes rows dependent within the constraint violation and calls solve() again.
 template <class Solve>
 bool solve_with_kept_rows(const Scene& scene, const SceneData& data, MatrixSystem& m, IslandReport& report,
                           Solve&& solve) {
@@ -86,8 +86,8 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
                               [&] { return internal::solve_by_fallbacks(scene, data, thread.scratch, m, report); });
 }
 
-// Whether some row's diagonal (inertia or damping) is tiny relative to its cancelling terms, so that rounding errors or
-// the change of J may spoil its unknown. This is rare; error bounds then decide on the status.
+// Whether a diagonal entry of K (inertia or damping) is tiny relative to the cancelling terms of its row, so that
+// rounding errors, or the change of J, may spoil the row's unknown. In this rare case error bounds decide the status.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
   double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and changes
@@ -133,7 +133,7 @@ bool MatrixSystem::make_current(const Scene& scene, const SceneData& data, Threa
 
 namespace {
 
-// Computes the panel of derivatives by the current factor. Returns whether it is accurate.
+// Computes the panel of derivatives by the current factor. Returns whether the panel is accurate.
 bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m,
                         IslandDerivatives& out) {
   const AtSolution at(scene, data, m.owner.island);
@@ -145,7 +145,7 @@ bool differentiate_once(const Scene& scene, SceneData& data, ThreadWork& thread,
   return out.X.size() == 0 || !std::isnan(out.X(0, 0));
 }
 
-// Overwrites [a; y] of `work` with K^-1 [a; y]. Returns whether the result is accurate.
+// Overwrites [a; y] of `work` with K^+ [a; y]. Returns whether the result is accurate.
 bool solve_product(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v, ProductWork& work) {
   const KktPattern& p = *m.K.pattern;
   v.resize(m.K.size());
@@ -188,7 +188,7 @@ bool internal::weighed_right_hand_sides(const Scene& scene, SceneData& data, Mat
 
 namespace {
 
-// Returns answer(). If it returns false, factorizes by the dense reference solver and calls answer() again.
+// Calls answer() and returns its result. If that is false, factorizes by the dense reference solver and tries again.
 template <class Answer>
 bool else_by_oracle(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& m, Answer&& answer) {
   return answer() || (internal::solve_by_oracle(scene, data, thread, m) && answer());

@@ -1,7 +1,7 @@
 #pragma once
-// Solves an island by its whole K in joint space. It tries the chosen factor, factors that drop redundant rows, and the
-// dense reference solver, until one is sound (fallbacks.cpp). Here S is the diagonal scaling of contact rows by units
-// (rank/row_units.hpp), K^+ the generalised inverse of K, and c eps a relative rounding error.
+// Solves an island by its whole K in joint space. MatrixSystem tries several factors, the dense reference solver last,
+// until one is sound (fallbacks.cpp). Here S is the diagonal scaling of contact rows by their weights
+// (rank/row_units.hpp), K^+ the generalised inverse of K, and c eps a relative rounding error (`rounding`).
 
 #include <array>
 #include <span>
@@ -20,13 +20,14 @@ struct ProductWork;
 
 /// Workspace of derivatives and products of an island with dependent rows.
 struct DependentDerivatives {
-  Eigen::VectorXd y;                     // nv: any solution of J y = f, f the contact forces
+  Eigen::VectorXd y;                     // nv: any solution of J y = f, where f are the contact forces
   bool known = false;                    // whether y was computed for the current solution
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
   // set by take_columns
   std::vector<char> in_null_space;  // nc: whether the row takes part in a linear dependence of rows of J
   std::vector<int> contacts;        // contacts of the island with such rows
-  std::vector<int> columns, place;  // coordinates on which J of `contacts` depends; nv: their indices in `columns`
+  // columns: coordinates on which J of `contacts` depends; place: nv, each coordinate's index in `columns`, or -1
+  std::vector<int> columns, place;
   std::vector<double> panel;        // scratch: size x columns, padded
 };
 
@@ -42,7 +43,7 @@ class MatrixSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Computes K, its factor and x if another system solved. Returns false without a sound factor, or if K is too large.
+  /// Computes K, a factor of K, and x, unless up to date. Returns false if no factor is sound, or if K is too large.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
   /// Whether make_joint_space has allocated M and J of the current island.
   bool has_terms() const;
@@ -51,7 +52,7 @@ class MatrixSystem final : public IslandSystem {
   /// Whether the island has redundant contact rows.
   bool deficient() const;
 
-  /// Calls use(row, column, change) for the entries of J that `within` changed; row and column in K's order.
+  /// Calls use(row, column, change) for the entries of J that `within` changed; row and column are in K's order.
   template <class Use>
   void each_change(Use&& use) const {
     if (tolerated == 0) return;
@@ -74,8 +75,8 @@ class MatrixSystem final : public IslandSystem {
   double first_error = 0;      // backward error before refinement
   bool contradiction = false;  // whether the contacts are inconsistent, so that x is the least-squares solution
   WithinTolerance within;
-  double tolerated = 0;                        // possible relative inconsistency by changes of `within`; 0: no change
-  std::vector<int> dependent;                  // scratch: rows of J
+  double tolerated = 0;                        // possible relative inconsistency if `within` changed J, else 0
+  std::vector<int> dependent;                  // scratch: dependent rows of J
   std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products if rows are dependent
 };
 
@@ -87,12 +88,13 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Computes right-hand sides with terms of inconsistent contacts; an AtSolution must be alive. False: inaccurate terms.
+/// Computes right-hand sides, including the terms of inconsistent contacts. Returns false if these are inaccurate. An
+/// AtSolution must exist.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
-/// Returns, for a and for f, the largest entry, its error bound, and the size of loads (bounds.cpp).
+/// Returns the accuracy of a and of f (bounds.cpp).
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// Sets x = K^-1 x, refined once: next to nearly massless bodies, large terms cancel and leave rounding errors.
+/// Overwrites x with K^-1 x, refined once, since nearly massless bodies cause large terms that cancel.
 void solve_refined_once(MatrixSystem& system, double* x);
 /// Returns |K|_1.
 double norm_of(const MatrixSystem& system);
@@ -105,13 +107,15 @@ double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
 /// Returns c eps, the relative rounding error of sums along the deepest chain of joints.
 double rounding(const Scene& scene, const MatrixSystem& system);
-/// Returns the relative error of J: c eps, or the residual with which dropped rows depend on the others if larger.
+/// Returns the relative error of J: c eps or, if larger, the residual by which dropped rows fail to be dependent.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// Adds |dJ| times `sizes`, the magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J over c eps.
+/// Adds |dJ| times `sizes`, the magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J relative to
+/// c eps.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
-/// Returns |dJ^T r|, r and the result in elimination order. If r is the contacts' inconsistency, rounding errors dJ
-/// change the least-squares solution by K^+ K^+ [dJ^T r; 0] (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12).
+/// Returns |dJ^T r|, where r and the result are in elimination order. If r is the contacts' inconsistency, rounding
+/// errors dJ of J change the least-squares solution by K^+ K^+ [dJ^T r; 0] (Golub, Pereyra, SIAM J. Numer. Anal. 10,
+/// 1973, eq. 4.12).
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
 /// Computes error bounds of an island's derivatives. Returns false if no bound is known.
@@ -122,7 +126,7 @@ bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, 
 void make_robot(const Scene& scene, Workspace& work, int robot);
 /// Whether the robot's terms were evaluated at the current state.
 bool is_evaluated(const Workspace& work, int robot);
-/// Allocates the joint-space terms of an island at the first call. Throws std::length_error beyond 2^31 entries.
+/// Allocates the joint-space terms of an island at the first call. Throws std::length_error if an M is too large.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
@@ -132,22 +136,20 @@ void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d)
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
 /// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
 bool joint_space_fits(const IslandWork& d);
-/// Throws std::length_error, naming `function`, unless joint_space_fits. instead: what the message advises to use.
+/// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice that ends the message.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
-/// Assembles K and b = [data.tau - h; wanted - a0] from the evaluated terms, in the elimination order `order`.
+/// Assembles K and b = [data.tau - h; prescribed - a0] from the evaluated terms, in the elimination order `order`.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
 /// Multiplies the contact rows of K and b by S, unless S = 1.
 void weigh_rows(const Scene& scene, MatrixSystem& system);
-/// Factorizes K and solves by the first attempt that is sound. Sets system.v.x, system.factor and report; evaluate must
-/// have been called before. Returns false if no attempt is sound.
+/// Factorizes K and solves by the first attempt that is sound. Sets system.v.x, system.factor and report. Returns false
+/// if no attempt is sound. Call `evaluate` before.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// A way to factorize K: the chosen method; LDL in which rows of J without a sound pivot wait, i.e. are eliminated last
-/// or dropped; proximal steps; or the dense reference solver. attempts_of returns the attempts of an island in order.
-/// LDL without damping: kWaiting in the chosen order, then leaf-to-root. In large islands kProximal follows each, and
-/// before it, in the chosen order, kChosen if sound pivots are expected. Other methods, or damping: kChosen, then
-/// leaf-to-root by kChosen with damping, by kWaiting without. kDense is last.
+/// Kinds of factors of K. kChosen is that of the chosen method. kWaiting is LDL in which rows of J without a sound
+/// pivot wait, i.e. they are eliminated last or dropped. kProximal makes proximal steps; kDense is the dense reference
+/// solver.
 enum class FactorKind { kChosen, kWaiting, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -159,20 +161,27 @@ struct Attempts {
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
+/// Returns the attempts to solve an island, in order. For LDL without damping these are kWaiting in the chosen order,
+/// and kWaiting in leaf-to-root order. In large islands each is followed (or, if too many rows depend, replaced) by
+/// kProximal, and the first kProximal is preceded by kChosen if sound pivots are expected. For other methods, or with
+/// damping, kChosen is first. In leaf-to-root order there follow kChosen (with damping), or kWaiting and kProximal
+/// (without). kDense is last.
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
-/// Solves by the dense reference solver instead of an inaccurate factor. False: K is too large, or this was tried.
+/// Solves by the dense reference solver instead of an inaccurate factor. Returns false if it fails or has solved
+/// already, or if K is too large.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
 
-/// Overwrites the right-hand sides out.X with [da; -df] by the current factor, or with NaN if they are inaccurate.
+/// Overwrites the right-hand sides out.X with [da; -df] by the current factor, or with NaN if the result is inaccurate.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
 /// Overwrites a panel X with row stride ld by K^+ X. Returns false if the result is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
-/// Sets v.x = K^+ v.b by the current factor, refined once. If v.x is inaccurate, sets it to NaN and returns false.
+/// Sets v.x = K^+ v.b by the current factor, with refinement. If v.x is inaccurate, sets it to NaN and returns false.
 bool solve_vector(MatrixSystem& system, KktVectors& v);
 
-// Terms of dependent rows in derivatives and products (least_norm_forces.cpp). An AtSolution must be alive.
+// Terms of dependent rows in derivatives and products (least_norm_forces.cpp). An AtSolution must exist.
 
-/// Add the change of least-norm forces with q to dforces_dq, or its product with dq to df = -work.y. v: scratch.
+/// Add the change of least-norm forces that is due to the change of J's range with q. The first function adds it to
+/// dforces_dq in out.X, the second adds its product with dq to df = -work.y. v: scratch.
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, KktVectors& v,
                        IslandDerivatives& out);
 void least_norm_forces(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
@@ -184,7 +193,8 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the adjoints of least_norm_forces, add_contradiction to p.wq. v.x: K^+ [wa; -wf], scratch. False: inaccurate.
+/// Adds the adjoints of least_norm_forces and add_contradiction to p.wq. v.x: K^+ [wa; -wf], then scratch. Returns
+/// false if the result is inaccurate.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

@@ -10,7 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Flags the rows, in elimination order, of a robot, of its contacts, and of the robots at their other ends.
+// Flags rows of K, in elimination order: those of a robot, of its contacts, and of robots at the contacts' other ends.
 struct Reach {
   const Scene& scene;
   const Island& island;
@@ -22,7 +22,7 @@ struct Reach {
     for (int i = first; i < first + count; ++i) nonzero[iperm[i]] = 1;
   }
   void robot(std::size_t k) { mark(island.dof_offset[k], scene.robots[island.robots[k]].model->nv); }
-  // Marks the contacts on robot k and, if `bodies`, the robots at their other ends.
+  // Marks the contacts on robot k and, if `bodies`, the robots at the other ends of these contacts.
   void contacts(std::size_t k, bool bodies) {
     for (std::size_t c = 0; c < island.contacts.size(); ++c) {
       const Contact& contact = scene.contacts[island.contacts[c]];
@@ -97,15 +97,16 @@ void reserve(std::vector<T>& memory, std::size_t size) {
 }
 
 // Whether a panel is accurate without refinement, judged by the error of the solve before its refinement or by a bound
-// for all columns. With redundant rows neither suffices: rounding errors of large projected entries hide small ones.
+// for all columns. With redundant rows neither suffices: the projection of large entries may leave rounding errors that
+// exceed small entries.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   if (m.deficient()) return false;
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// Solves and refines each column by componentwise errors, for dependent rows and a factor with large growth: norms of
-// a whole panel would hide errors of small entries. Returns false if a column is inaccurate.
+// Solves and refines the columns one by one, judged by componentwise errors. With dependent rows and a factor with
+// large growth, norms of a whole panel would hide errors of small entries. Returns false if a column is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());

@@ -6,7 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Calls use(model and kinematics of A's robot, model and kinematics of B's robot); the other end's for a fixed end.
+/// Calls use(model of A's robot, its kinematics, model of B's robot, its kinematics). If A or B is fixed, both robots
+/// are that of the other end.
 template <class Use>
 RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;

@@ -1,14 +1,16 @@
-// Changes J so that rows become exactly dependent that are so up to inaccuracy or constraint violation of the scene.
+// Changes J so that rows that are dependent up to the scene's inaccuracy or constraint violation become exactly so.
 //
 // Example: a redundant row k of a closed loop is J_k = sum_j z_j J_j. If the scene has four digits, or a constraint
-// violation of 1e-6 m, a small remainder r adds to it; solved unchanged, the row locks the loop with forces of order
-// 1 / |r|. N has one column n_k = e_k - z per such row (rank/dependent_rows.hpp). Each column c of J is changed by
+// violation of 1e-6 m, J_k differs from this sum by a small remainder r. Without a change of J, the row would lock the
+// loop with forces of order 1 / |r|. N, a basis of the null space of J^T, has one column n_k = e_k - z per such row
+// (rank/dependent_rows.hpp). Each column c of J is changed by
 //
 //     J_c <- J_c - N_c (N_c^T N_c)^+ N_c^T J_c      N_c: the rows of N in which column c of J has entries
 //
-// This is the least change within the pattern of J after which N^T J = 0. J is changed if no entry changes by more
-// than its error: tolerance t for rows in m at coordinates in rad, t / L for others, L the largest moment arm.
-// The solve uses the changed J; residuals and error bounds include the change.
+// This is the least change within the pattern of J after which N^T J = 0. J is changed only if in each column the root
+// mean square of the change is at most the largest error of an entry. This error is the tolerance t for rows in m at
+// coordinates in rad, and t / L for others, where L is the largest moment arm. The solve uses the changed J; residuals
+// and error bounds include the change.
 //
 // N is found by an LDL of [D J^T; J 0]. The diagonal D replaces M, as masses do not affect dependence: 1 for
 // coordinates in m, L^2 for coordinates in rad. A row of J unrelated to the dependence gets entries of size r in N. If
@@ -39,7 +41,7 @@ namespace manycontact {
 struct WithinTolerance::Work {
   std::vector<char> turns;                                         // whether each coordinate is in rad
   std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // each coordinate's contacts and columns of their J
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // coordinate's contacts, and column in each J
 
   // set by find
   std::vector<double> K, L, D, row_scale;
@@ -76,7 +78,7 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   }
 }
 
-// Returns the largest moment arm: displacement of a point [m] per radian; 1 without rotations.
+// Returns the largest moment arm, i.e. the displacement of a point [m] per radian; 1 without rotations.
 double largest_lever(const Workspace& work, const IslandWork& d, const Work& w) {
   double L = 0;
   for (int c = 0; c < d.island.nv; ++c)
@@ -128,7 +130,7 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   return w.rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Returns the error t of rows of J in m, due to constraint violation.
+// Returns the error t of those rows of J that are in m, due to constraint violation.
 double drift(const Scene& scene, const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   w.x.assign(p.size(), 0.0);
   int row = 0;
@@ -151,7 +153,7 @@ double error_of_entry(const Work& w, int row, int coordinate) {
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
-// Whether changes within the errors of J can make J^T n = 0, n = w.n a column of N.
+// Whether changes within the errors of J can make J^T n = 0, where n = w.n is a column of N.
 bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   for (Eigen::VectorXd* sum : {&w.left, &w.terms, &w.explained, &w.weight}) sum->setZero(p.nv);
   for (int row = 0; row < p.nc; ++row) {
@@ -171,7 +173,8 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       .all();
 }
 
-// Recomputes column w.n of N with D_c = |N_c|^2: subtracts K^-1 times its residual, K = [D J^T; J 0] of the kept rows.
+// Recomputes column w.n of N with D_c = |N_c|^2, by subtracting K^-1 times the residual of the column. K is [D J^T; J
+// 0] of the kept rows.
 bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) {
     const double unit = w.turns[c] ? w.lever * w.lever : 1;
@@ -186,7 +189,7 @@ bool reweigh(const KktPattern& p, Work& w) {
   return true;
 }
 
-// Recomputes each column of N until it needs changes of J within the errors of J only. Returns false if this fails.
+// Recomputes each column n of N until changes within J's errors suffice for J^T n = 0. Returns false if this fails.
 bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Work& w) {
   rank::DependentRows& rows = w.rows;
   std::vector<int> Np{0}, Ni;
@@ -211,7 +214,8 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Computes the change of column c of J, given the rows `rows` of N. Returns whether the errors of J permit it.
+// Computes the change of column c of J. Returns whether the errors of J permit this change. N: one row per entry of
+// `rows`, which are rows of J.
 bool take_change(const Workspace& work, const IslandWork& d, const std::vector<int>& rows, const Eigen::MatrixXd& N,
                  int c, Work& w) {
   std::vector<RowChange> change;
@@ -309,7 +313,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));
-  constexpr int kFactors = 4;  // error terms of N^T J' v: by N, and by changes of J and of v at bodies A and B
+  constexpr int kFactors = 4;  // error terms of N^T dJ/dt v: from N, and from changes of J and of v at bodies A and B
   return kFactors * largest * w.tolerance / w.lever;
 }
 

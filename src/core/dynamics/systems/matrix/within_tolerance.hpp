@@ -1,5 +1,5 @@
 #pragma once
-// Changes J so that rows become dependent that are nearly so, within Scene::tolerance or constraint violation.
+// Changes J so that rows that are dependent up to Scene::tolerance or constraint violation become exactly dependent.
 
 #include <memory>
 #include <span>
@@ -21,11 +21,12 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Changes J of the evaluated contacts, so that rows become dependent that are so within Scene::tolerance, or were so
-  /// at the start of a motion. Returns the rows' largest possible inconsistency relative to their terms; 0: no change.
+  /// Changes J of the evaluated contacts, so that rows become dependent that are dependent within Scene::tolerance, or
+  /// were dependent at the start of a motion. Returns the largest possible inconsistency of the rows relative to their
+  /// terms; 0 if J is unchanged.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   std::span<const RowChange> changes() const;
-  /// Returns the error, used by make_dependent, of J's entries in rows in m and at this velocity coordinate.
+  /// Returns the error that make_dependent assumed for entries of J at this velocity coordinate, in rows in m.
   double inaccuracy(int coordinate) const;
 
   struct Work;

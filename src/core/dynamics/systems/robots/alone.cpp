@@ -58,7 +58,7 @@ void take_dependence(const Scene& scene, const SceneData& data, const lanes::Ans
   report_dependent_rows(scene, data, d, d.matrix.dependent, answer.contradiction, report);
 }
 
-// Fills w.lanes with batches of up to `width` islands. It skips islands for which group_of(island) returns nullptr.
+// Fills w.lanes with batches of up to `width` islands, without those for which group_of(island) returns nullptr.
 template <class GroupOf>
 void form_batches(const Scene& scene, Workspace& w, int width, GroupOf&& group_of) {
   InLanes& in = w.lanes;
@@ -122,7 +122,7 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
 // Returns the group whose SIMD batch solved the island and may differentiate it; nullptr if there is none.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-// Solves in SIMD batches the unsolved single-robot islands for which fits(group, island), by the given kernels.
+// Solves unsolved single-robot islands with fits(group, island) in SIMD batches. kernels: the kernels of each group.
 template <class Kernel, class Fits>
 void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
                       std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {
@@ -156,7 +156,7 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) 
   if (w.options.precision == Precision::kSingle)
     solve_in_batches(job, data, batch_width(w), Precision::kSingle, &BlockGroup::single,
                      [&](const BlockGroup& group, const IslandWork& d) {
-                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // certainly
+                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // surely
                        return !group.single.empty() && !dependent;
                      });
   solve_in_batches(job, data, w.lanes.level->robots.width, Precision::kDouble, &BlockGroup::kernels,

@@ -31,8 +31,9 @@ namespace internal {
 
 namespace {
 
-// Returns the multiply-adds of a panel of `ld` columns solved by the factor of K, if every second state needs a
-// refinement. kPanelDropping, for dependent rows, was measured on humanoids on the corners of their soles.
+// Returns the multiply-adds to solve a panel of `ld` columns with the factor of K, assuming that every second state
+// needs a refinement. kPanelDropping, the factor for dependent rows, was measured on humanoids with contacts at the
+// corners of their soles.
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
@@ -40,7 +41,8 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Returns the multiply-adds of a panel robot by robot. Factors were measured on rings and on humanoids with a beam.
+// Returns the multiply-adds to solve a panel robot by robot. The constants in costs were measured on rings and on
+// humanoids that carry a beam.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {

@@ -27,7 +27,8 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags rows of S with nonzero right-hand sides in columns first ... first+cols-1. columns_of(r): where B_r is nonzero.
+// Flags the rows of S that a forward substitution fills in columns first ... first+cols-1. columns_of(r): columns where
+// B_r is nonzero.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -123,7 +124,8 @@ int place_in_panel(const OfRobot& r, int column) {
   return -1;
 }
 
-// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G, H = G_r P.
+// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G and H
+// (derivatives.hpp).
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
@@ -222,7 +224,7 @@ void begin_check(const RobotsDerivatives& by, OfRobot& r, int s, Member& member)
     if (r.sampled[j].in_X == s) member.b = r.B.data() + j * r.size();
 }
 
-// Whether every sampled column solves K X = B with a componentwise backward error up to half the limit of derivatives.
+// Whether each sampled column solves K X = B with a componentwise backward error up to half the limit for derivatives.
 bool sample_is_good(const Scene& scene, Workspace& w, RobotsSystem& system, const AlignedPanel& X) {
   RobotsDerivatives& by = *system.derivatives;
   RobotsDerivatives::Sample& sample = by.sample;

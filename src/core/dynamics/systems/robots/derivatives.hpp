@@ -5,11 +5,12 @@
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
 //
 // The panel of derivatives contains forces f = -X, so its interface rows contain -Y. A column of B is zero in the rows
-// of most robots: X_r = -T_r Y is then a product with few rows, instead of a solve with the factor of K.
+// of most robots. For these, X_r = -T_r Y is a product with few rows, instead of a solve with the factor of K.
 //
-// A contact that couples two robots acts on robot r by E_r: six columns of forces on one of its bodies. So G_r^T =
-// E_r W^T, W the contact's force basis. B_r is the sum of E_r D_r (D_r: change of this force with q of both robots) and
-// own columns, with respect to q, v, u of robot r. SIMD batches solve only K_r^-1 [E_r, own columns].
+// A contact that couples two robots acts on one body of robot r. E_r contains six unit forces on this body, so that
+// G_r^T = E_r W^T, where W is the contact's force basis. B_r consists of the robot's own columns, i.e. those with
+// respect to q, v, u of robot r, and of E_r D_r, where D_r is the change of the contact's force with q of both robots.
+// SIMD batches solve only K_r^-1 [E_r, own columns].
 
 #include <optional>
 
@@ -63,7 +64,7 @@ struct RobotsDerivatives {
     std::vector<int> column;    // numbers of the sampled columns in the island's panel
     AlignedPanel X;             // the solutions, one column per entry of `column`
     std::vector<double> b;    // right-hand sides of the interface rows, column after column
-    double robots_error = 0;  // largest backward error outside the interface rows; refinement improves only these
+    double robots_error = 0;  // largest backward error in the robots' rows, the only ones that refinement improves
   } sample;
   struct Buffers {              // memory of a thread
     std::vector<double> work;   // scratch of a solve with S
@@ -77,8 +78,8 @@ struct RobotsDerivatives {
 
 namespace manycontact::internal {
 
-/// Calls step(kernel, robots, their memory, thread's memory) for each SIMD batch. Each call reverses the order, as the
-/// last batches are still in cache; a thread always has the same batches. of_solve: total work relative to a solve.
+/// Calls step(kernel, robots, their memory, thread's memory) for each SIMD batch. Each call of each_batch reverses the
+/// order, as the last batches are still in cache; a thread always has the same batches. of_solve: work, in solves.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

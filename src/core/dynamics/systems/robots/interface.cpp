@@ -33,7 +33,7 @@ void share_out(const Scene& scene, const Island& island, Interface& j) {
   }
   for (std::size_t k = 0; k < j.robots.size(); ++k) {
     Interface::OfRobot& r = j.robots[k];
-    const auto place = [&](int c) {  // robots of one kind order their contacts identically
+    const auto place = [&](int c) {  // so that robots of one kind order their contacts identically
       const Contact& contact = scene.contacts[island.contacts[c]];
       return std::tuple(kind_of(contact), end_on(contact, island.robots[k]).joint, c);
     };

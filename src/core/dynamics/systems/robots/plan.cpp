@@ -17,7 +17,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// A robot, contacts on the robot alone, contacts `joins` that couple it to another robot, and `inner`, K_r's pattern.
+// A robot with its contacts: `contacts` on this robot alone, and `joins`, which couple it to other robots. inner: the
+// pattern of K_r (interface.hpp).
 struct Block {
   const Scene& scene;
   int robot;
@@ -99,7 +100,7 @@ void make_kernels(Workspace& w, BlockGroup& group, std::size_t count) {
     make(group.single, [&](const lanes::Level& level) { return level.single.make(group.plan); });
 }
 
-// Returns the group of a single-robot island; nullptr if SIMD batches cannot solve the island, e.g. as it is too large.
+// Returns the group of a single-robot island; nullptr if SIMD batches cannot solve it, e.g. because it is too large.
 BlockGroup* group_of_alone(Workspace& w, const IslandWork& d) {
   if (d.choice.method != Method::kSparseLdl || d.island.nv == 0 || d.island.size() > kLargestInLanes) return nullptr;
   const std::shared_ptr<const KktPattern>& pattern = d.shape->pattern(d.choice.order);
@@ -177,7 +178,7 @@ bool may_be_cheaper(const IslandWork& d) {
          predicted_cost_ldl(rows, least_interface_counts(*d.shape)) < tolerance::kCheaper * cost_of_choice(d);
 }
 
-// Returns an island of one robot of the shape's scene and of the contacts on this robot alone.
+// Returns an island that consists of one robot of the shape's scene and of the contacts on this robot alone.
 Island alone(const IslandShape& shape, const Interface& interface, std::size_t robot) {
   Island out;
   out.robots = {shape.island().robots[robot]};
@@ -217,9 +218,9 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   return out;
 }
 
-// Uses the chosen order, or leaf-to-root for each robot if contacts-early costs hardly less. With leaf-to-root, entries
-// of factors grow less, so derivatives robot by robot are accurate; they take a quarter of the time of those by K. For
-// hubs, i.e. robots coupled by more rows than they have coordinates, derivatives robot by robot are not cheaper.
+// Uses the chosen order. Replaces contacts-early by leaf-to-root if this is predicted cheaper than factorizing K, too:
+// entries of factors then grow less, so that derivatives robot by robot are accurate, in a quarter of the time of those
+// by K. For hubs, i.e. robots coupled by more rows than they have coordinates, this does not pay.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;

@@ -85,7 +85,7 @@ bool all_sound(const RobotsSystem& s) {
   return std::all_of(s.members.begin(), s.members.end(), [](const Member& r) { return r.sound; });
 }
 
-// Evaluates J and a0 of contacts that couple two robots; stores a0 in s.b until interface_right_side.
+// Evaluates J and a0 of contacts that couple two robots. Stores a0 in s.b, which interface_right_side overwrites.
 void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
   const auto join = [&](int robot, int among) {
     const auto& r = s.robots[robot];
@@ -109,7 +109,7 @@ void evaluate_interface(const Scene& scene, Workspace& w, RobotsSystem& s) {
       });
 }
 
-// Whether every interface row of J exceeds its rounding errors. Pivots do not show a row of mere rounding errors.
+// Whether every interface row of J exceeds its rounding errors. Pivots do not reveal rows of mere rounding errors.
 bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   double smallest = std::numeric_limits<double>::infinity(), motion = 0;
   for (const Member& m : s.members) motion = std::max(motion, m.motion);
@@ -154,7 +154,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
   return sound_interface_pivots(s);
 }
 
-// Adds to y the interface rows of K^-1 r, r the residual of all rows. Copies this step to the borders of the robots.
+// Adds to y the interface rows of K^-1 r, where r is the residual of all rows. Copies this step to the robots' borders.
 void solve_interface(RobotsSystem& s) {
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
@@ -199,7 +199,8 @@ double largest_interface_error(const RobotsSystem& s) {
 }
 
 // Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A tiny row of a robot is judged by
-// the robot's largest row. A tiny interface row is judged by the island's: at rest its terms are only rounding errors.
+// the robot's largest row. A tiny interface row is judged by the island's largest row, as at rest its terms are only
+// rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);

@@ -1,6 +1,7 @@
 #pragma once
-// Solves islands by sparse-ldl robot by robot in SIMD batches. K x = b has the blocks K_r, G_r of interface.hpp, b_r of
-// robot r, and c of the interface rows, i.e. rows of contacts between two robots; -y is their part of x:
+// Solves islands by sparse-ldl, robot by robot in SIMD batches. The interface rows are the rows of contacts between two
+// robots. K has the blocks K_r and G_r (interface.hpp), b has the parts b_r of robot r and c of the interface rows, and
+// the solution of K x = b has the parts x_r and y:
 //
 //     x_r  = K_r^-1 (b_r - G_r^T y),    S y = sum_r G_r K_r^-1 b_r - c.
 //
@@ -26,7 +27,7 @@ struct IslandReport;
 struct BlockGroup {
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
-  std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // used for single-robot islands, if options request it
+  std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // single precision; empty unless options request it
   std::vector<int> islands;                                    // scratch of a call: islands to solve with this plan
   double seconds = 0;                                          // predicted time of a solve of one robot [s]
 };
@@ -57,7 +58,7 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// The SIMD batches of a single-robot island. solve_alone (alone.cpp) solves all single-robot islands in one call.
+/// How SIMD batches solve a single-robot island. solve_alone (alone.cpp) solves all such islands in one call.
 struct BatchPlace {
   BlockGroup* group = nullptr;  // set by prepare; nullptr: no SIMD batch can solve the island
   // set when a SIMD batch has solved the island
@@ -121,7 +122,7 @@ class RobotsSystem final : public IslandSystem {
   std::vector<OfRobot> robots;
   bool contradiction = false;  // whether contacts were inconsistent in the last solve; MatrixSystem differentiates then
   // set by prepare, for the current island
-  std::vector<Coupling> contacts;  // sorted by group, identical ones adjacent
+  std::vector<Coupling> contacts;  // sorted; those that can share a SIMD batch are adjacent
   std::vector<Robot> members;      // robots in the order of `order`; filled by solve
   Robot& member(std::size_t robot) { return members[robots[robot].member]; }
   const Robot& member(std::size_t robot) const { return members[robots[robot].member]; }
@@ -139,10 +140,11 @@ class RobotsSystem final : public IslandSystem {
 
 namespace internal {
 
-/// The predicted cost of a SIMD batch of `count` robots, relative to one robot.
+/// Returns the predicted cost of a SIMD batch of `count` robots, relative to that of one robot.
 inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
-/// Sets alone.group or robots of an island of a new shape, if SIMD batches are cheaper than factorizing its K.
+/// Prepares an island of a new shape for SIMD batches. Sets `alone.group` if the island has one robot, and `robots` if
+/// solving robot by robot is predicted to be cheaper than factorizing K.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// Assigns the island's robots and contacts to the plan of its shape. Does not allocate for a contact set used before.
 void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
@@ -160,26 +162,26 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start =
 bool stand_alone(const Scene& scene, const Workspace& w);
 /// Returns the largest number of single robots, or states, in a SIMD batch; 1 without SIMD batches.
 int batch_width(const Workspace& w);
-/// Reports dependent rows of an island's J: status, rank, names.
+/// Sets the status, reason, rank and dependent_rows of a report from the dependent rows of the island's J.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
-/// Compute derivatives of all islands with IslandWork::served_in_lanes into w.derivatives; and jvp or vjp of these
-/// islands (`product`), with vectors `in` and `out` as in lanes::ProductJob.
+/// Computes derivatives of all islands with IslandWork::served_in_lanes, in w.derivatives.
 void differentiate_alone(const Scene& scene, SceneData& data);
+/// Computes jvp or vjp (`product`) of all islands with IslandWork::served_in_lanes. in, out: as in lanes::ProductJob.
 using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
 void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
                     const std::array<double*, 3>& out);
 
 /// Allocates island.robots->derivatives for `out` if derivatives robot by robot are predicted cheaper than by K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
-/// Whether derivatives are first computed robot by robot, as predicted cheaper; they may turn out to be inaccurate.
+/// Whether derivatives are computed robot by robot first. This is predicted to be cheaper, but may be inaccurate.
 bool differentiates_by_robots(const IslandWork& island);
 
 /// Return the inputs of SIMD batches for a solve at the current state, and for derivatives at the current solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
 lanes::Solution solution_of(const Scene& scene, const SceneData& data);
 
-/// Returns the componentwise backward error of the interface rows, or NaN, by b, y and each robot's -G_r x_r.
+/// Returns the componentwise backward error of the interface rows, or NaN, from b, y and each robot's -G_r x_r.
 double interface_error(double damping, RobotsSystem& robots);
 
 }  // namespace internal
