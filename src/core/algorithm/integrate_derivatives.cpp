@@ -1,4 +1,4 @@
-// Derivatives on the configuration manifold, joint by joint.
+// Derivatives of integrate and difference on the configuration manifold, joint by joint.
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/spatial/explog.hpp"

@@ -68,7 +68,7 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
-  V u[LdlSchedule::kWidest * N];  // -L_ac D_c for rows a of this block, columns c
+  V u[LdlSchedule::kWidest * N];  // u[N c + i] = -L_ac D_c for row a + i below this block and its column c
   const int step = width + below - 2;
   const int row = run.row + a - run.begin;
   auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);

@@ -9,7 +9,7 @@
 
 namespace manycontact::sparse {
 
-/// Rounds n up to a multiple of eight: the length of a panel's rows.
+/// Returns n rounded up to a multiple of eight, which is the length of the rows of a panel with n columns.
 constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 struct PanelKernels {

@@ -16,7 +16,7 @@ struct AbaData {  // Scratch memory of aba; allocate it once per robot.
   Mat6X<S> U;                            // 6 x nv: IA S
   VecX<S> u;                             // nv: tau - S^T pA
   std::vector<Mat6<S>> Dinv;             // njoints: D^-1 in the leading block, with D = S^T IA S + armature
-  std::vector<Vec6<S>> a;                // njoints: accelerations of bodies, with -g at the base
+  std::vector<Vec6<S>> a;                // njoints: accelerations of bodies minus those for qdd = 0
 };
 
 /// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`, whose a is that of qdd = 0. Sizes: q nq; v, tau, qdd nv;

@@ -41,12 +41,12 @@ struct AppliedForces {
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs whose ends coincide.
+/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs that are not `directed`.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
 
-/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. tau is NaN for robots with a spring whose ends coincide.
+/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. tau is NaN for robots with a spring that is not `directed`.
 template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
@@ -57,7 +57,8 @@ struct AppliedScratch {
   std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
 
-// Call the functions below after add_applied_forces at q, v. They consider only `robots`; vectors are the scene's.
+// Call the functions below that have an argument `robots` after add_applied_forces at q, v. They consider only these
+// robots. Vectors have the sizes and the order of the scene.
 
 /// Adds dtau/dq dq + dtau/dv dv + dtau/dw dw to dtau. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,

@@ -32,7 +32,8 @@ void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::ve
 template <class S>
 void virtual_velocities(const Model& model, const Kinematics<S>& kin, const S* w, std::vector<Vec6<S>>& u);
 
-/// Adds the gradients of w^T ID(q, v, qdd), without external forces, with respect to the xi, u, v, a of each body.
+/// Adds to `adjoint` the gradients of w^T ID(q, v, qdd), without external forces, with respect to the xi, u, v, a of
+/// each body. u: virtual_velocities of w.
 template <class S>
 void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
                        std::vector<BodyVariationOf<S>>& adjoint);

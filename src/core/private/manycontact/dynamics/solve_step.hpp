@@ -11,7 +11,7 @@ struct StartOfStep {
   const double *v, *stop;  // scene.nv: velocities, and the accelerations that stop them within the step
   Vec3<double> gravity;    // gravity of the simulated scene [m/s^2]
   double h;                // length of the step [s]
-  double* contact_v;  // output, rows as Solution::f: J a, velocities of the contact rows after the step
+  double* contact_v;  // output: velocities J a of the contact rows after the step, in the order of SceneData::f
 };
 
 /// Solves, at the configuration q of a scene without gravity, external wrenches, springs and joint friction,

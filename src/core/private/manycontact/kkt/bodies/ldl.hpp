@@ -62,18 +62,18 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   std::vector<double> pivot_sum;   // one entry per row: sum of the terms of E_kk that joints contributed
   std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
   double growth = 1;               // largest factor by which P grew when rows were eliminated
-  std::vector<double> least_kept;  // one entry per node: least part left of a pivot, of rows eliminated in its subtree
+  std::vector<double> least_kept;  // one entry per node: least pivot / its terms, of rows eliminated in its subtree
   std::vector<char> drops_below;   // one flag per node: whether rows in its subtree were dropped
   std::vector<double> least_inertia, most_inertia;  // one per row: range of D of its joints
 
   // rows that depend on others (dependent_rows.hpp): they are not in the factor, and their y is zero
   std::vector<char> dropped;  // one flag per row: it was dropped
   struct Drop {
-    int row, node;  // node whose rows span the row; number of nodes: the row moves nothing
+    int row, node;  // node: the node whose rows span the row, or the number of nodes if the row drives no joint
   };
   std::vector<Drop> found;
 
-  // set by solve_bodies
+  // set by backward_sweep
   std::vector<Vec6<double>> p;  // one entry per node: bias force
   Eigen::VectorXd u, g;         // u: D^-1 times the joints' right-hand sides; g: the rows' right-hand sides
 

@@ -12,7 +12,7 @@ namespace manycontact {
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
   std::vector<int> node_offset;      // one entry per robot of the island: number of its first node
-  std::vector<int> parent, end;      // one entry per node: parent, -1 at the base; one past the subtree
+  std::vector<int> parent, end;      // one entry per node: its parent, or -1; one past the last node of its subtree
   std::vector<int> first_dof, ndof;  // one entry per node: first coordinate of its joint, and their number
   std::vector<int> A, B;             // one entry per contact row: nodes on which it acts; -1: an immovable body
   std::vector<int> at_first, at;     // rows on node i: at[at_first[i]] ... at[at_first[i + 1] - 1]

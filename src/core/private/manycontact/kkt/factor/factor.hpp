@@ -53,7 +53,8 @@ class Factor {
   /// nonzero: flags of K's rows, in elimination order, where these columns may be nonzero; overwritten.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Calls solve_panel and refines once, X + K^-1 (B - K X). work.nonzero: the flags; work.B: memory as large as X.
+  /// Calls solve_panel and refines once, X + K^-1 (B - K X). work.nonzero: flags for solve_panel; work.B: memory as
+  /// large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
   /// Releases the memory that only solve_panel needs; a later solve_panel allocates it again.
