@@ -24,7 +24,8 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// Returns the placement `of` relative to `to`, to^-1 of. It is accurate even if both are far from their body's origin.
+// Returns the placement `of` relative to the placement `to`. The result is accurate even if both are far from their
+// body's origin.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }

@@ -150,7 +150,8 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // After a change of rank these are constructed, not resized: if memory runs out, Eigen's resize leaves a freed array.
+  // After a change of rank, N and reduced are constructed again: if memory runs out, Eigen's resize leaves a freed
+  // array.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));

@@ -60,7 +60,7 @@ void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, d
 
 /// X <- A^-1 X for columns first ... first+cols-1 of a row-major panel with row stride ld. Row k of A is row row[k] of
 /// X, or row k if row is nullptr. nonzero: n flags in A's order, set for rows of X that are nonzero in these columns;
-/// the function overwrites them. Zero rows cost nothing in the forward sweep. nullptr: all rows may be nonzero.
+/// the function overwrites them. Zero rows cost nothing in the forward sweep. Without flags, all may be nonzero.
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 

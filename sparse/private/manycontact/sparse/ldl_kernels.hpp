@@ -1,7 +1,7 @@
 #pragma once
 // The factorization A = L D L^T and solves by a compiled schedule. The value type V is a double, or a pack of doubles,
 // one for each of several matrices with the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a),
-// multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b, the latter two rounded as for doubles.
+// multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b. These two must be rounded as for doubles.
 //
 // A matrix of a pack undergoes the same operations in the same order as a single matrix, so that both factors agree bit
 // for bit. For doubles, several rows of a column are computed at a time. This header is compiled for several SIMD

@@ -32,7 +32,7 @@ struct LdlSchedule {
   struct Target {
     int begin, end, shift;
   };
-  static constexpr int kWidest = 32;  // most columns of a block; larger blocks are divided
+  static constexpr int kWidest = 32;  // largest number of columns of a block; larger blocks are divided
   /// A group of rows row ... row+high-1 that a panel solve computes together in x <- L^-T D^-1 x. They depend on the
   /// rows in segments[segment] ... segments[segment_end-1], which have larger indices. There, rows computed last come
   /// last, so that no operation waits for their values. packed[at] and the following numbers are the slots of L's

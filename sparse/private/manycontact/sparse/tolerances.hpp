@@ -34,9 +34,9 @@ inline constexpr int kDampingRounding = 100 * kRounding;
 /// where the ratio is larger. P then grows by at most the inverse ratio, which costs later rows digits in loops of
 /// thousands of links. A larger threshold costs time.
 inline constexpr double kRowMoves = 5e-2;
-/// Rounding error of a pivot of K relative to the pivot's terms, 450 eps, as earlier pivots pass it on to later ones
+/// Rounding error of a pivot of K relative to the pivot's terms, 450 eps. Small earlier pivots enlarge it
 /// (rank/pivots.hpp). In sparse-bodies it is multiplied by the squared growth of P (least_left in
-/// kkt/bodies/factorize.cpp); rows with smaller pivots are redundant.
+/// kkt/bodies/factorize.cpp), and rows with smaller pivots are redundant.
 inline constexpr double kRowRounding = 1e-13;
 
 /// sparse-bodies: an entry of J is certainly nonzero if it exceeds this fraction of the magnitudes of the products of
@@ -125,8 +125,8 @@ inline constexpr double kLeastWeight = 1e-10;
 /// Largest number of rows of J for which the dense solver checks doubtful solutions of other methods. It takes 30 ms
 /// for 300 rows, 170 ms for 600.
 inline constexpr int kFewRows = 300;
-/// Largest number of rows of K for which the dense solver is used after all other methods failed. It takes 2 s and 72
-/// MB per matrix for 3000 rows.
+/// Largest number of rows of K for which the dense solver is used after all other methods failed. For 3000 rows it
+/// takes 2 s, and 72 MB per matrix.
 inline constexpr int kDenseSize = 3000;
 /// Largest number of rows of K for which a factor of K computes the derivatives of islands that sparse-bodies solved.
 /// sparse-bodies takes 4 to 70 times as long, column by column. For a larger K, the dense solver would take even longer

@@ -9,10 +9,11 @@
 
 namespace manycontact {
 
-/// In later solves, treats as redundant as many rows as are redundant in the current solution. Call it after solve.
+/// Lets later solves treat rows as redundant within a tolerance (file header), up to the number of rows that are
+/// redundant in the current solution. Call it after solve.
 void keep_dependent(SceneData& data);
-/// In later solves of `data`, treats as redundant as many rows as are redundant in the solution of `of`, whose scene
-/// has the robots and contacts of `scene`.
+/// Has the effect of keep_dependent on later solves of `data`, with the number that keep_dependent set in `of`. The
+/// scene of `of` has the robots and contacts of `scene`.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
 /// Ends the effect of keep_dependent, for data that continue with other states.
 void forget_dependent(SceneData& data);

@@ -22,9 +22,8 @@ std::string no_robot(const Scene& scene, const std::string& name);
 std::string no_frame(const std::string& robot, const Model& model, const std::string& name);
 std::string no_joint(const Model& model, const std::string& name);
 
-/// Return the number of the robot or contact of that name. contact_at returns `number` if the scene has a contact of
-/// that number. All throw std::invalid_argument if there is none: the former two with a suggestion, contact_at with the
-/// name of `function`.
+/// Return the number of the robot, or of the contact, of that name. They throw std::invalid_argument with a suggestion
+/// if there is none. contact_at returns `number`, and throws with the name of `function` if there is no such contact.
 int robot_called(const Scene& scene, const std::string& name);
 int contact_called(const Scene& scene, const std::string& name);
 int contact_at(const Scene& scene, int number, const char* function);
