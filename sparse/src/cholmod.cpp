@@ -8,7 +8,7 @@
 namespace manycontact::sparse {
 
 namespace {
-constexpr int kColumns = 4;  // columns that CHOLMOD's LDL' solves for at once
+constexpr int kColumns = 4;  // number of columns that CHOLMOD's LDL' solves for at a time
 }
 
 struct CholmodSymbolic::Impl {

@@ -1,5 +1,6 @@
 #pragma once
-// Definitions for all calls of CHOLMOD. Names in cholmod.h collide with others: sources with this header compile alone.
+// Definitions for all calls of CHOLMOD. Names in cholmod.h collide with other names, so that sources with this header
+// cannot be part of a unity build.
 
 #include <cholmod.h>
 
@@ -11,7 +12,7 @@
 
 namespace manycontact::sparse {
 
-/// CHOLMOD's parameters, workspace and status: one per thread at a time.
+/// CHOLMOD's parameters, workspace and status. Only one thread at a time may use an object.
 struct CholmodCommon : cholmod_common {
   CholmodCommon() {
     cholmod_start(this);
@@ -26,14 +27,14 @@ struct CholmodCommon : cholmod_common {
   CholmodCommon(const CholmodCommon&) = delete;
   ~CholmodCommon() { cholmod_finish(this); }
 
-  /// Throws if the last call failed; a matrix with a zero pivot is no failure.
+  /// Throws if the last call failed. A zero pivot is not a failure. ran: the call's result; call: its name in messages.
   void check(bool ran, const char* call) const {
     if (status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     if (!ran || status < CHOLMOD_OK) throw std::runtime_error(std::string("Cholmod: ") + call + " failed");
   }
 };
 
-/// A view of a symmetric matrix for CHOLMOD's LDL', without a copy. Ax: values; nullptr for the pattern alone.
+/// Returns a view of a symmetric matrix for CHOLMOD's LDL', without a copy. Ax: values; nullptr for the pattern alone.
 inline cholmod_sparse view_of(const UpperCsc& A, const double* Ax) {
   cholmod_sparse out{};
   out.nrow = out.ncol = A.n;

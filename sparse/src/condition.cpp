@@ -53,7 +53,7 @@ double norm_1_estimate(int n, const std::function<void(double*)>& multiply,
     std::fill(x.begin(), x.end(), 0.0);
     x[j] = 1;
   }
-  // an alternating vector guards against unlucky starting vectors
+  // The product with an alternating vector gives a second lower bound, if the starting vector above was unlucky.
   for (int k = 0; k < n; ++k) x[k] = (k % 2 ? -1 : 1) * (1 + (n > 1 ? static_cast<double>(k) / (n - 1) : 0));
   multiply(x.data());
   return std::max(estimate, 2 * sum_abs(x) / (3 * n));

@@ -22,7 +22,7 @@ T* c(const std::vector<T>& v) {
 }  // namespace
 
 void LdlWorkspace::reserve(const LdlSymbolic& s) {
-  // test each array: an earlier call may have run out of memory between them
+  // The sizes are tested one by one, since an earlier call may have run out of memory after some of them.
   const auto grow = [](auto& array, std::size_t size) {
     if (array.size() < size) array.resize(size);
   };
@@ -32,8 +32,9 @@ void LdlWorkspace::reserve(const LdlSymbolic& s) {
 
 namespace {
 
-// Computes parents in the elimination tree, and numbers of entries of L's columns. Row k of L is the union of the paths
-// from the entries of column k of A towards k. Throws TooLarge if L and its index arrays exceed the memory.
+// Computes parents in the elimination tree, and numbers of entries of L's columns. Row k of L consists of the nodes on
+// the tree's paths from the entries of column k of A to k. Throws TooLarge if L and its index arrays exceed the
+// machine's memory.
 void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
   constexpr double kBytes = 64;  // bytes per entry of L: values, patterns in three orders, schedule
   double nonzeros = 0;
@@ -93,7 +94,8 @@ void list_rows(LdlSymbolic& L) {
 
 namespace {
 
-// Moves each column's entries to their slots: LDL packs them at its start, but relaxed supernodes have zeros between.
+// Moves the entries of each column of L to their slots. SuiteSparse's LDL packs them at the start of the column, but in
+// relaxed supernodes there are zeros between them.
 void spread_columns(const LdlSymbolic& s, const LdlWorkspace& w, double* Lx) {
   for (int j = 0; j < s.n; ++j) {
     int from = s.Lp[j] + w.Lnz[j], to = s.Lp[j + 1];
@@ -114,7 +116,7 @@ int ldl_factor(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, LdlWor
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, const double* least, LdlWorkspace& w,
                         double* Lx, double* D, double* scale) {
   w.reserve(s);
-  double* y = w.Y.data();  // not initialised: step j leaves entry j zero for the rows after
+  double* y = w.Y.data();  // not initialised: each step leaves the entries that it used zero for later steps
   for (int k = 0; k < s.n; ++k) {
     // Solve for row l_k of L: L(0:k-1, 0:k-1) D l_k = A(0:k-1, k).
     for (int p = A.p[k]; p < A.p[k + 1]; ++p) y[A.i[p]] = Ax[p];
@@ -154,7 +156,7 @@ double ldl_rounding(const LdlSymbolic& s) {
     of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
     of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);
   }
-  // counts two roundings per product of an entry, one per product of a row in each sweep, some for divisions
+  // This counts two roundings per product in an entry of L, one per product in a row of each sweep, and divisions.
   return (2 * of_row + of_column + 8) * std::numeric_limits<double>::epsilon() / 2;
 }
 

@@ -6,7 +6,7 @@ namespace manycontact::sparse {
 
 namespace {
 
-// Divides the columns into blocks; no block has columns on both sides of `border`.
+// Divides the columns into blocks, none of which has columns both before and after column `border`.
 void find_blocks(const LdlSymbolic& s, int border, std::vector<int>& block) {
   block.assign(1, 0);
   for (int k = 0; k < s.n; ++k)
@@ -61,11 +61,12 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets of rows begin, begin + 1, ... below a block: T's own columns first, then the rows below T.
+// Finds the targets (LdlSchedule::Target) in block T of rows begin, begin + 1, ... below another block. Rows below that
+// block are T's own columns or rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();
-  int next = 0;  // index among the rows below T
+  int next = 0;  // index of a row among the rows below T
   for (int b = begin; b < count; ++b) {
     int local = rows[b] - T_first;
     if (local >= T_width) {

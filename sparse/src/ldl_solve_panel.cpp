@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kWide = 8 * kernel::kRegister;  // the widest chunk that fits in registers together with its operands
 
-// Solves row by row: one row stays in registers while the rows that it depends on are read.
+// Solves for N columns, row by row. A row stays in registers while the rows on which it depends are read.
 template <int N>
 void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* row, double* X, int ld,
            const char* nonzero) {
@@ -32,7 +32,7 @@ void sweep(const LdlSymbolic& s, const double* Lx, const double* D, const int* r
 
 void ldl_solve_panel(const LdlSymbolic& s, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero) {
-  for (int k = 0; nonzero && k < s.n; ++k)  // flags the rows that the forward sweep reaches
+  for (int k = 0; nonzero && k < s.n; ++k)  // flags the rows that become nonzero in the forward sweep
     for (int p = s.Rp[k]; p < s.Rp[k + 1] && !nonzero[k]; ++p) nonzero[k] = nonzero[s.Rj[p]];
   const int end = first + cols;
   while (end - first >= kWide) sweep<kWide>(s, Lx, D, row, X + first, ld, nonzero), first += kWide;

@@ -11,7 +11,7 @@ namespace {
 
 int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
 
-// Flags columns that have more rows in `leading` than in L, because `leading` is relaxed.
+// Flags the columns that have more rows in `leading`, which is relaxed, than among the leading rows of L.
 std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) {
   std::vector<char> nested(L.n, 0);
   for (int k = 0; k < leading.n; ++k) {
@@ -21,7 +21,7 @@ std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) 
   return nested;
 }
 
-// Gives flagged columns k the pattern of column k + 1, their parent, which includes their rows and the added rows.
+// Gives each flagged column k the pattern of column k + 1, its parent: row k + 1 and the rows of column k + 1.
 void nest(const std::vector<char>& nested, LdlSymbolic& L) {
   std::vector<int> size(L.n), Lp(L.n + 1, 0);
   for (int k = L.n - 1; k >= 0; --k) size[k] = nested[k] ? size[k + 1] + 1 : count(L, k);
@@ -46,7 +46,7 @@ void nest(const std::vector<char>& nested, LdlSymbolic& L) {
 std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts) {
   const int n = static_cast<int>(parent.size());
   std::vector<char> nested(n, 0);
-  long rows = 0, zeros = 0, entries = 0;  // rows of relaxed column k + 1; zeros and entries of its block
+  long rows = 0, zeros = 0, entries = 0;  // rows of the relaxed column k + 1; zeros and entries of its block so far
   for (int k = n - 1; k >= 0; --k) {
     const long own = counts[k], more = rows + 1 - own;
     nested[k] = parent[k] == k + 1 &&

@@ -1,5 +1,6 @@
-// Kernels on dense blocks for one SIMD level. Each level compiles this file with its own flags and MANYCONTACT_LEVEL
-// (its name). The linker sees only the level's table of kernels (src/core/simd/levels.cmake).
+// Kernels on dense blocks for one SIMD level. The build compiles this file once per level, with the level's compiler
+// flags and its name as MANYCONTACT_LEVEL. Only the level's table of kernels is visible to the linker
+// (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -19,11 +20,12 @@ using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
 Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 
-// Whether operands are empty: Eigen's triangular product would divide by zero, its triangular solve read entry 0.
+// Whether operands are empty, which Eigen does not handle: its triangular product would divide by zero, and its
+// triangular solve would read entry 0.
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 
-// A single row is a special case: its entries are not contiguous, and Eigen's product would allocate memory.
+// C += a A B. If C is a single row, its entries are not contiguous, and Eigen's product would allocate memory.
 void add_AB(Panel C, double a, ConstPanel A, ConstPanel B) {
   if (C.rows == 1)
     map(C) += a * map(A).lazyProduct(map(B));
@@ -77,7 +79,7 @@ void add_Atx(double* y, double a, ConstPanel A, const double* x) {
   Vector(y, A.cols).noalias() += a * map(A).transpose() * ConstVector(x, A.rows);
 }
 
-// Takes four columns at a time, so that sums are loaded and stored a quarter as often.
+// sum += A z, scale += |A| |z|. Adds four columns at a time, so that sums are loaded and stored a quarter as often.
 void add_Az(ConstPanel A, const double* z, double* sum, double* scale) {
   Vector y(sum, A.rows), size(scale, A.rows);
   const auto column = [&](Eigen::Index j) { return ConstVector(A.entries + j * A.stride, A.rows); };

@@ -1,5 +1,5 @@
-// The panel kernels of one SIMD level. Each level compiles this file with its own flags and MANYCONTACT_LEVEL, its
-// name. The linker sees only the level's PanelKernels (src/core/simd/levels.cmake).
+// The panel kernels of one SIMD level. The build compiles this file once per level, with the level's compiler flags and
+// its name as MANYCONTACT_LEVEL. Only the level's PanelKernels are visible to the linker (src/core/simd/levels.cmake).
 
 #include <algorithm>
 #include <cstddef>
@@ -65,7 +65,8 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// Returns 1 / d, or 0 if the pivot d is too small; its row then waits and is not eliminated.
+// Returns 1 / d, or 0 if the pivot d is too small, so that its row is not eliminated but waits. may_wait: how many more
+// rows may wait.
 struct InverseOrWait {
   const double* least;
   int may_wait;
@@ -87,14 +88,14 @@ double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
 }
 
-// Writes the inverse pivots to `inverse`, and L's packed entries after these; returns the latter.
+// Writes the inverse pivots to `inverse`, and L's packed entries after these. Returns the packed entries' address.
 const double* prepare(const LdlSchedule& schedule, const double* Lx, const double* D, double* inverse) {
   for (int k = 0; k < schedule.n; ++k) inverse[k] = 1 / D[k];
   ldl_pack(schedule, Lx, inverse + schedule.n);
   return inverse + schedule.n;
 }
 
-// Solves in chunks of columns; each chunk is copied in A's order, so that it stays in the first-level cache.
+// Solves in chunks of columns. Each chunk is copied to `work` in A's order, so that it stays in the first-level cache.
 void solve(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld, int first,
            int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -138,7 +139,7 @@ void panel_residual(const UpperCsc& A, const double* Ax, const int* row, const d
   });
 }
 
-// Solves and refines in chunks of columns, whose right-hand sides, solution and correction fit into the cache.
+// Solves and refines in chunks of columns. The right-hand sides, solution and correction of a chunk fit into the cache.
 void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx, const double* D,
                    const int* row, double* X, int ld, int first, int cols, char* nonzero, double* work) {
   const std::ptrdiff_t n = schedule.n;
@@ -170,7 +171,7 @@ void solve_refined(const LdlSchedule& schedule, const UpperCsc& A, const double*
 // Rows and columns of H computed at a time: as many as fit in registers.
 constexpr int kHigh = kRegister == 8 ? 8 : 4, kWide = kRegister == 2 ? 4 : 3 * kRegister;
 
-// Offsets of rows i in memory: rows a fixed stride apart (Strided), or rows in any order.
+// The offset of row i in memory, for rows at a fixed distance (Strided), or for rows in any order (Indexed).
 struct Strided {
   std::ptrdiff_t ld;
   std::ptrdiff_t operator()(int i) const { return i * ld; }
@@ -217,7 +218,8 @@ void upper_product(const double* L, const double* R, int depth, int cols, int ld
   }
 }
 
-// The last kHigh rows overlap earlier rows: with fewer rows, operations would wait for each other's results.
+// The last chunk of kHigh rows overlaps the chunk before it. In a chunk with fewer rows, operations would wait for each
+// other's results.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
   const auto rows_from = [&](int i, auto high) {
     const Strided strided{ld};
@@ -231,7 +233,7 @@ void product(const double* L, int ldl, const double* R, int depth, int rows, int
   }
 }
 
-// Rows are not computed twice as in `product`, since a streamed row may not have reached memory.
+// Unlike in `product`, no row is computed twice, since the first result may not have reached memory if it was streamed.
 void product_of_rows(const double* L, int ldl, const double* R, const int* from, int depth, double* H, const int* to,
                      int rows, int cols, int ld, bool non_temporal) {
   kernel::in_chunks<kHigh>(0, rows, [&](int i, auto high) {

@@ -16,8 +16,9 @@ AbaData<S>::AbaData(const Model& model)
 
 namespace {
 
-// Backward step of a joint with N coordinates: U = IA S, D = S^T U + armature, u = tau - S^T pA. The joint adds Ia = IA
-// - U D^-1 U^T and pa = pA + Ia c + U D^-1 u to its parent, with c = v x S v. Returns false if D is not positive.
+// Performs the backward step of the articulated-body algorithm for joint i with N coordinates: U = IA S, D = S^T U +
+// armature, u = tau - S^T pA. Adds IA - U D^-1 U^T and pA + U D^-1 u to the parent's IA and pA; bias accelerations are
+// part of kin.a. Returns false if D is not positive.
 template <class S, int N>
 bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d) {
   const int iv = joint.idx_v;
@@ -28,7 +29,7 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   for (int k = 0; k < N; ++k) D(k, k) += S(model.armature[iv + k]);
   d.u.template segment<N>(iv).noalias() -= J.transpose() * d.pA[i];
   if constexpr (N == 1) {
-    // D must exceed the rounding error of its sum
+    // D must exceed the rounding error of the sum from which it is computed.
     const S noise = S(16) * std::numeric_limits<S>::epsilon() * (J.cwiseAbs().col(0).dot(U.cwiseAbs().col(0)));
     if (!(D(0, 0) > noise)) return false;
     d.Dinv[i](0, 0) = S(1) / D(0, 0);
@@ -47,7 +48,8 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   return true;
 }
 
-// Forward step of a joint: qdd = D^-1 (u - U^T a'), a = a' + S qdd, where a' is the acceleration of its parent.
+// Performs the forward step of the articulated-body algorithm for joint i: qdd = D^-1 (u - U^T a'), a = a' + S qdd. On
+// entry, d.a[i] is the parent's acceleration a'.
 template <class S, int N>
 void accelerate(const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d, VecRef<S>& qdd) {
   const int iv = joint.idx_v;
@@ -67,7 +69,8 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
   forward_accelerations<S>(model, v, nullptr, gravity, kin);  // kin.a: accelerations for qdd = 0, bias included
   const int n = model.njoints();
   d.u = tau;
-  // Let a = a_bias + a'. The bias forces are then those of RNEA for qdd = 0, and a' is zero at the base.
+  // Accelerations are a_bias + a' with the bias accelerations kin.a. Bias forces are then those of RNEA for qdd = 0,
+  // and a' is zero at the base.
   for (int i = 0; i < n; ++i) {
     d.IA[i] = kin.Y[i].matrix();
     d.pA[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);

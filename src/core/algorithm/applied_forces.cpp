@@ -20,7 +20,7 @@ typename AppliedForces<S>::OfRobot& of_robot(const Scene& scene, int robot, Appl
   return forces.robots[number];
 }
 
-// Adds the joint of an attachment and its ancestors to `joints` of its robot.
+// Adds the joint of an attachment and the joint's ancestors to the list `joints` of the attachment's robot.
 template <class S>
 void add_path(const Scene& scene, const Attachment& at, AppliedForces<S>& forces) {
   if (at.robot < 0) return;
@@ -30,7 +30,7 @@ void add_path(const Scene& scene, const Attachment& at, AppliedForces<S>& forces
   joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
 }
 
-// Returns the wrench about the tree frame's origin of a force at p and a torque.
+// Returns the wrench, about the tree frame's origin, of a force at the point p together with a torque.
 template <class S>
 Vec6<S> wrench_at(const Vec3<S>& p, const Vec3<S>& force, const Vec3<S>& torque) {
   Vec6<S> F;
@@ -48,7 +48,7 @@ void push(const ExternalWrench& push, const Kinematics<S>& kin, const Vec6<S>& w
     F = wrench_at<S>(M.p, w.template head<3>(), w.template tail<3>());
 }
 
-// Computes the spring's force on A, and the members of s.
+// Returns the spring's force on its end A, and computes the members of s.
 template <class S>
 Vec3<S> stretch(const Spring& spring, const SpringEnd<S>& A, const SpringEnd<S>& B,
                 typename AppliedForces<S>::OfSpring& s) {

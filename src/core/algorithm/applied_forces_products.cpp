@@ -1,4 +1,4 @@
-// Products with the derivatives of applied forces.
+// Products with the derivatives of the torques of external wrenches and springs.
 
 #include "manycontact/algorithm/applied_forces.hpp"
 #include "manycontact/spatial/motion.hpp"
@@ -19,7 +19,7 @@ V6 joined(const V3& linear, const V3& angular) {
   out << linear, angular;
   return out;
 }
-// The motion of the point p of a body, and the adjoint: the wrench of a force at p.
+// Returns the linear motion of the body's point p. The adjoint from_point returns the wrench of a force at p.
 V3 at_point(const V6& motion, const V3& p) { return linear(motion) + angular(motion).cross(p); }
 V6 from_point(const V3& force, const V3& p) { return joined(force, p.cross(force)); }
 
@@ -30,14 +30,14 @@ V6 own_motion(const Joint& joint, const Mat6X<double>& S, const double* x) {
   return out;
 }
 
-// Calls use(of, number): `of` is the robot's entry in `forces`, `number` its index, for robots on which forces act.
+// Calls use(of, index) for those of `robots` on which forces act. `of` is the entry `index` of forces.robots.
 template <class Use>
 void each_robot(const Forces& forces, std::span<const int> robots, Use&& use) {
   for (int r : robots)
     if (const int k = forces.number[r]; k >= 0) use(forces.robots[k], static_cast<std::size_t>(k));
 }
 
-// An end of a spring, and its body's u, x, v in AppliedScratch; nullptr for an end in the world.
+// An end of a spring, and pointers to its body's u, x, v in AppliedScratch, which are nullptr for an end in the world.
 struct End {
   SpringEnd<double> at;
   V6 *u = nullptr, *x = nullptr, *v = nullptr;
@@ -49,8 +49,8 @@ End end_of(const Forces& forces, const Attachment& at, AppliedScratch& s) {
   return {end, &s.u[k][at.joint], &s.x[k][at.joint], &s.v[k][at.joint]};
 }
 
-// Calls `push(wrench, its number, its robot's entry, the entry's index)` for external wrenches on these robots, and
-// `spring(spring, its number, its two ends)` for springs between these robots.
+// Calls push(wrench, number, of, index) for external wrenches on these robots, where forces.robots[index] = of is the
+// robot's entry, and spring(spring, number, end A, end B) for springs whose end A is on these robots.
 template <class OfPush, class OfSpring>
 void each_force(const Scene& scene, const Forces& forces, std::span<const int> robots, AppliedScratch& scratch,
                 OfPush&& push, OfSpring&& spring) {
@@ -62,7 +62,7 @@ void each_force(const Scene& scene, const Forces& forces, std::span<const int> r
   });
 }
 
-// ---- tangent: x and v of each body, then df of each body in u ----------------------------------------------------
+// ---- tangent: displacement x and velocity change v of each body, then the change df of its force, stored in u -----
 
 void add_push_tangent(const ExternalWrench& push, const Forces::OfRobot& of, const V6& F, const double* dw, const V6& x,
                       V6& df) {
@@ -112,7 +112,8 @@ void add_push_adjoint(const ExternalWrench& push, const Forces::OfRobot& of, con
 
 void add_spring_adjoint(const Spring& spring, const Forces::OfSpring& s, const End& A, const End& B) {
   const V3 force = -spring.stiffness * s.d - s.t * s.n;
-  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());  // gradient by the force on A
+  // g: gradient with respect to the force on A
+  const V3 g = at_point(*A.u, A.at.p) - (B.u ? at_point(*B.u, B.at.p) : V3::Zero());
   V3 by_d = -spring.stiffness * g, by_rate = V3::Zero();
   if (spring.length != 0 || spring.damping != 0) {
     const double by_speed = -spring.damping * s.n.dot(g);  // gradient with respect to d|d|/dt
@@ -181,7 +182,7 @@ void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForce
                          double* ww) {
   each_robot(forces, robots, [&](const Forces::OfRobot& of, std::size_t k) {
     const Robot& robot = scene.robots[of.robot];
-    for (int i : of.joints) {  // computes u, and adds to x the gradient of (xi x S l)^T f
+    for (int i : of.joints) {  // computes u, and sets x to the gradient of (xi x S l)^T f
       const Joint& joint = robot.model->joints[i];
       const V6 own = own_motion(joint, of.kin.J, l + robot.idx_v);
       scratch.u[k][i] = joint.parent >= 0 ? V6(scratch.u[k][joint.parent] + own) : own;

@@ -1,5 +1,5 @@
-// Magnitudes of the terms of applied forces and of their derivatives, which may cancel and leave rounding errors.
-// Derivatives are bounded by sums along a body's path: a coordinate moves the body by at most the largest motion.
+// Magnitudes of the terms of applied forces (external wrenches, springs) and of their derivatives. The terms may cancel
+// and leave rounding errors. Derivatives are bounded with the largest motion of a body by any coordinate above it.
 
 #include <algorithm>
 #include <cmath>
@@ -27,18 +27,18 @@ struct Size {
 
 struct OfBody {
   Size moved, velocity;  // moved: largest motion by one coordinate; velocity: sum over coordinates
-  double lever = 0;      // largest distance from the origin to a joint of its path
-  // forces on the body and all bodies after it in the tree, and derivatives of these with respect to one coordinate
+  double lever = 0;      // largest distance from the tree frame's origin to a joint between the body and the base
+  // Forces on the body's subtree, and derivatives of these forces with respect to one coordinate.
   Size force, by_q, by_v;
 };
 
-// An end of a spring; all members are zero in the world.
+// An end of a spring. For an end in the world, all members but `lever` and `reach` are zero.
 struct OfEnd {
   OfBody* body = nullptr;
-  double lever = 0;               // distance from the origin to the end
-  double reach = 0;               // largest distance from the origin to the end or a joint of its path
-  double speed = 0;               // speed of the end's body
-  double velocity = 0;            // sum over coordinates of the speeds by one coordinate
+  double lever = 0;               // distance from the tree frame's origin to the end
+  double reach = 0;               // largest distance from this origin to the end, or to a joint above the end's body
+  double speed = 0;               // bound of the end's speed
+  double velocity = 0;            // sum over coordinates of the speed that each coordinate gives the end
   double moved = 0, changed = 0;  // largest change of the position, and of the velocity, by one coordinate
 };
 
@@ -146,7 +146,8 @@ class Sizes {
     }
   }
 
-  // From leaves to root: magnitudes of tau_i = S_i^T f_i, and of the term (xi x S_i)^T f_i of its derivatives.
+  // Computes, from the leaves to the root, magnitudes of tau_i = S_i^T f_i and of its derivatives, which include the
+  // term (xi x S_i)^T f_i.
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;

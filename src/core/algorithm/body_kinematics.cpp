@@ -39,7 +39,7 @@ void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>&
   }
 }
 
-// Returns S v of a joint.
+// Returns the joint's velocity S v, with the motion subspace S = J.
 template <class S>
 Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const ConstVecRef<S>& v) {
   Vec6<S> out = J.col(0) * v[joint.idx_v];
@@ -71,7 +71,7 @@ void body_kinematics(const Model& model, const SE3<double>& base, int i, const C
   Mat3<S>& R = kin.R[i];
   Vec3<S>& r = *terms.r;
   Eigen::Map<Mat6X<S>> J(terms.S_i, 6, joint.nv());
-  if (i == 0 && model.floating_base) {  // the origin of the base is here, so r = 0
+  if (i == 0 && model.floating_base) {  // the body frame's origin is that of the base, so r = 0
     R = rotation_of_quaternion<S>(q[3], q[4], q[5], q[6]);
     r.setZero();
     J.template block<3, 3>(0, 0) = R;

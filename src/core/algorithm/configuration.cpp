@@ -26,7 +26,8 @@ double uniform(double low, double high, std::mt19937& generator) {
   return (1 - t) * low + t * high;  // finite for any finite low and high
 }
 
-// Samples coordinate k of a joint. `reach`: the largest magnitude without limits, half the range with one limit.
+// Samples coordinate k of a joint within its limits. reach: largest magnitude of a coordinate without limits, and half
+// the range of a coordinate with one limit.
 double within_limits(const Joint& joint, int k, double reach, std::mt19937& generator) {
   const auto finite = [k](const Eigen::VectorXd& limit) { return k < limit.size() && std::isfinite(limit[k]); };
   double low = -reach, high = reach;
@@ -121,7 +122,7 @@ Eigen::VectorXd interpolate(const RigidBodies& bodies, const ConstRef& q0, const
 
 namespace {
 
-// Returns the block-diagonal matrix with the block J of block(joint, its v, first, J) for each joint.
+// Returns the block-diagonal matrix whose blocks J are set by block(joint, v of the joint, first, J) for each joint.
 template <class Block>
 Eigen::MatrixXd blocks(const RigidBodies& bodies, const Eigen::VectorXd& v, bool first, Block&& block) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(v.size(), v.size());

@@ -6,7 +6,7 @@ namespace manycontact {
 
 namespace {
 
-// Computes Yc and M; M(k) is a reference to entry k of the packed matrix.
+// Computes the composite inertias Yc and the packed joint-space inertia. M(k) must return a reference to its entry k.
 template <class S, class Entries>
 void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const Entries& M) {
   Yc.resize(kin.Y.size());
@@ -18,7 +18,7 @@ void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vecto
       const Vec6<S> F = Yc[i] * kin.J.col(k);
       int at = model.M_begin[k];
       for (int j = k; j >= first; j = model.dof_parent[j]) M(at++) = dot(kin.J.col(j), F);  // M_kj = S_j^T Yc S_k
-      if (first > 0) {  // the floating base, with S = diag(R, R): the tree frame has its origin there
+      if (first > 0) {  // entries of the floating base, whose S is diag(R, R), as it is at the tree frame's origin
         const Vec3<S> moment = transpose_times<S>(kin.oMi[0].R, F.template tail<3>());
         const Vec3<S> force = transpose_times<S>(kin.oMi[0].R, F.template head<3>());
         for (int j : {2, 1, 0}) M(at++) = moment[j];
@@ -28,7 +28,8 @@ void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vecto
     }
     if (joint.parent < 0) continue;
     Inertia<S>& above = Yc[joint.parent];
-    if (model.subtree_end[i] == model.subtree_end[joint.parent]) above = kin.Y[joint.parent];  // the last child first
+    // The parent's last child comes first and initialises the parent's composite inertia.
+    if (model.subtree_end[i] == model.subtree_end[joint.parent]) above = kin.Y[joint.parent];
     above += Yc[i];
   }
 }

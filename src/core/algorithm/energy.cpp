@@ -4,7 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// Mass and first moment about the world's origin, tree by tree; bodies on fixed bases are not part of the model.
+// Returns the mass and the first moment of mass about the world's origin. Links that are fixed to the world are not
+// part of the model and do not count.
 template <class S>
 std::pair<S, Vec3<S>> moments(const Kinematics<S>& kin) {
   std::pair<S, Vec3<S>> total(S(0), Vec3<S>::Zero());

@@ -4,7 +4,8 @@ namespace manycontact {
 
 namespace {
 
-// The frame's placement in its body's tree frame; for a frame on the fixed base, relative to the base's placement.
+// Returns the frame's placement in its body's tree frame. For a frame on a fixed base, the placement is relative to the
+// base's origin, in the world's axes.
 template <class S>
 SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement) {
   if (joint >= 0) return kin.oMi[joint] * placement.cast<S>();

@@ -1,4 +1,4 @@
-// Derivatives on the configuration manifold, joint by joint.
+// Derivatives of integrate and difference on the configuration manifold, joint by joint.
 
 #include "manycontact/algorithm/integrate.hpp"
 #include "manycontact/spatial/explog.hpp"
@@ -12,7 +12,7 @@ using M6 = Mat6<double>;
 using ConstRef = ConstVectorRef;
 using MatrixRef = Eigen::Ref<Eigen::MatrixXd>;
 
-// Embeds SE(2) in SE(3): coordinates x, y, and the angle about z.
+// The coordinates x, y and angle about z of SE(2) as indices into a twist of SE(3).
 constexpr int kPlane[3] = {0, 1, 5};
 V6 lift(const ConstRef& m) {
   V6 out = V6::Zero();
@@ -24,7 +24,8 @@ void drop(const M6& J, MatrixRef out) {
     for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
 }
 
-// Writes a joint's block of a Jacobian: of(tangent vector) on SE(3), or `straight` for a joint with one coordinate.
+// Sets a joint's block J of a Jacobian to of(tangent vector) on SE(3), restricted to SE(2) for a planar joint, or to
+// `straight` for a joint with one coordinate.
 template <class Of>
 void joint_block(const Joint& joint, const ConstRef& v, double straight, Of&& of, MatrixRef J) {
   if (joint.type == JointType::kFloating)
@@ -44,7 +45,7 @@ void joint_integrate_derivative(const Joint& joint, const ConstRef& v, bool of_q
 }
 
 void joint_difference_derivative(const Joint& joint, const ConstRef& v, bool of_q0, MatrixRef J) {
-  // Let xi = log(M0^-1 M1): dxi/dM1 = Jlog(xi), dxi/dM0 = -Jlog(xi) Ad(exp(-xi)).
+  // The derivatives of xi = log(M0^-1 M1) are dxi/dM1 = Jlog(xi) and dxi/dM0 = -Jlog(xi) Ad(exp(-xi)).
   joint_block(
       joint, v, of_q0 ? -1 : 1,
       [of_q0](const V6& xi) {

@@ -25,7 +25,7 @@ Kinematics<S>::Kinematics(const Model& model)
 
 namespace {
 
-// Sines and cosines of the angles of kAngles joints, computed together.
+// Sines and cosines of the angles of joints first ... end-1, at most kAngles of them, computed together.
 template <class S>
 struct Turns {
   S s[kAngles<S>], c[kAngles<S>];
@@ -38,7 +38,7 @@ struct Turns {
   }
 };
 
-// Sets the columns of J of one joint with child frame M.
+// Sets the columns of J for one joint, i.e. its motion subspace, from the placement M of its child frame.
 template <class S>
 [[gnu::always_inline]] inline void fill_columns(const Joint& joint, const SE3<S>& M, Mat6X<S>& J) {
   const int iv = joint.idx_v;
@@ -68,14 +68,15 @@ template <class S>
   }
 }
 
-// Computes motion subspace and inertia of body i, whose frame is already placed.
+// Computes the motion subspace and inertia of body i, whose placement is known.
 template <class S>
 [[gnu::always_inline]] inline void fill_body(const Model& model, int i, Kinematics<S>& kin) {
   fill_columns<S>(model.joints[i], kin.oMi[i], kin.J);
   kin.Y[i] = joint_space_inertia<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
-// Places body i after its parent; s, c: sine and cosine of its joint. fill_body follows while M is in registers.
+// Computes body i after its parent. s, c: sine and cosine of its joint's angle. fill_body is called here, while the
+// placement is in registers.
 template <class S>
 [[gnu::always_inline]] inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s,
                                               const S& c, Kinematics<S>& kin) {
@@ -92,7 +93,8 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// Computes body i on its tree's path; at the root, places the whole path first. Not inlined: few bodies are on paths.
+// Computes body i on its tree's path (Tree::path); if it is the root, places the whole path first. The function is not
+// inlined, as few bodies are on paths.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {

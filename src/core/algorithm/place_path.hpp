@@ -1,6 +1,6 @@
 #pragma once
-// The motion of a joint's frame, and the placement of the bodies between a tree's root and its anchor
-// (detail/algorithm/kinematics.hpp). Neither depends on the origin of motion subspaces.
+// The motion of a joint's child frame relative to its joint frame, and the placement of the bodies between a tree's
+// root and its anchor (detail/algorithm/kinematics.hpp).
 
 #include <cstdint>
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace manycontact {
 
-/// R <- R Rot(e_k, angle), which mixes two columns of R. c, s: cosine and sine of the angle.
+/// Sets R to R Rot(e_k, angle), which combines two columns of R. c, s: cosine and sine of the angle.
 template <class S>
 inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   const int i = k == 2 ? 0 : k + 1, j = k == 0 ? 2 : k - 1;
@@ -20,21 +20,23 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   }
 }
 
-/// The axis of a revolute or prismatic joint. R: axes of the joint frame or of the child frame, in which it is equal.
+/// Returns the axis of a revolute or prismatic joint. R: axes of the joint frame or of the child frame, in which the
+/// joint's axis has the same coordinates.
 template <class S>
 inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   if (joint.axis_kind < 3) return R.col(joint.axis_kind);
   return times<S>(R, joint.axis.cast<S>());
 }
 
-/// The angle whose sine and cosine move_frame needs; zero for a joint without angle.
+/// Returns the angle whose sine and cosine move_frame needs, or zero for a joint without an angle.
 template <class S>
 inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
   if (joint.type == JointType::kRevolute) return q[joint.idx_q];
   return joint.type == JointType::kPlanar ? q[joint.idx_q + 2] : S(0);
 }
 
-/// Moves R, p from the joint frame to the child frame at q. s, c: sine and cosine of the joint's angle.
+/// Changes the rotation R and origin p from those of the joint frame to those of the child frame at q. s, c: sine and
+/// cosine of the joint's angle.
 template <class S>
 [[gnu::always_inline]] inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c,
                                               Mat3<S>& R, Vec3<S>& p) {
@@ -62,7 +64,7 @@ template <class S>
 
 namespace detail {
 
-/// The upper half of the digits of a. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
+/// Returns the upper half of the digits of a. Source: Veltkamp, as in Dekker, Numerische Mathematik 18 (1971).
 template <class S>
 inline S upper_half(const S& a) {
   int digits = std::numeric_limits<S>::digits;
@@ -71,7 +73,8 @@ inline S upper_half(const S& a) {
   return c - (c - a);
 }
 
-/// sum + rest += a b without rounding the product. Source: Dekker's product, Knuth's sum.
+/// Adds a b to the unevaluated sum of `sum` and `rest`, without rounding the product. Source: Dekker's product and
+/// Knuth's sum.
 template <class S>
 inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   const S ah = upper_half(a), al = a - ah, bh = upper_half(b), bl = b - bh;
@@ -81,7 +84,7 @@ inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   sum = total;
 }
 
-/// point += x axis, without rounding the products.
+/// Adds x axis to the point, without rounding the products.
 template <class S>
 inline void move_along(const Vec3<S>& axis, const S& x, WorldPoint<S>& point) {
   for (int k = 0; k < 3; ++k) add_exactly<S>(axis[k], x, point.p[k], point.rest[k]);
@@ -97,9 +100,9 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 
 }  // namespace detail
 
-/// Sets place(joint), a reference to a placement, for each body of a tree's path, relative to the anchor; returns the
-/// anchor's position in the world. s, c: sine, cosine of the root's angle; own: see Kinematics; base: see
-/// forward_kinematics.
+/// Computes the placement of each body on a tree's path relative to the tree's anchor, and returns the anchor's
+/// position in the world. place(joint) must return a reference to the placement. s, c: sine and cosine of the root
+/// joint's angle. own: see Kinematics; base: see forward_kinematics.
 template <class S, class B, class Place>
 WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
                          const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {
@@ -113,7 +116,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
   }
   anchor.p = base.p.template cast<S>();
   Mat3<S> R = base.R.template cast<S>();
-  for (int i : tree.path) {  // M.p: position relative to the parent's origin
+  for (int i : tree.path) {  // M.p: at first relative to the parent's origin
     const Joint& joint = model.joints[i];
     SE3<S>& M = place(i);
     const PlacementOf<S> placement(model, own, i);
@@ -128,7 +131,7 @@ WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const T
     R = M.R;
   }
   Vec3<S> p = Vec3<S>::Zero();
-  for (std::size_t k = tree.path.size(); k-- > 0;) {  // afterwards relative to the anchor
+  for (std::size_t k = tree.path.size(); k-- > 0;) {  // makes positions relative to the anchor
     Vec3<S>& at = place(tree.path[k]).p;
     const Vec3<S> step = at;
     at = p;

@@ -51,7 +51,7 @@ void compose(const RigidBodies& bodies, RigidBodyMemory& m) {
 
 namespace {
 
-// Sets kin to q and, if v is given, to v and a (a = nullptr: zero).
+// Computes the kinematics at q and, if v is given, for v and a; a is zero if nullptr.
 void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const double* a, RigidBodyMemory& m) {
   m.composed = m.carries = false;
   m.moving = v != nullptr;
@@ -73,7 +73,7 @@ void check_state(const char* function, const RigidBodies& bodies, const ConstRef
   if (third) expect_numbers(function, what, *third, bodies.nv());
 }
 
-// Checks q, v and a, and sets the state of the data to these.
+// Checks q, v and a, and computes the kinematics of the data at this state.
 RigidBodyMemory& at_state(const char* function, const RigidBodies& bodies, const ConstRef& q, const ConstRef* v,
                           const ConstRef* a, RigidBodyData& data) {
   check_state(function, bodies, q, v, a);
@@ -97,7 +97,8 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   fext = fext.subspan(of.f.size());
 }
 
-// Computes tau by inverse dynamics at the state of kin, minus torques of friction and of springs in joints.
+// Computes the torques tau that the accelerations a require at the state of kin, by inverse dynamics minus the torques
+// of friction and of springs in joints. a: nullptr for zero.
 void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
              RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {
@@ -196,7 +197,7 @@ const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidB
 
 namespace {
 
-// Computes M^-1 of.panel in place; NaN if M is singular. Overwrites the packed M by its factors L, D.
+// Overwrites of.panel with M^-1 of.panel, or with NaN if M is singular. Overwrites the packed M with its factors L, D.
 void solve_panel(RigidBodyMemory& m, RobotMemory& of) {
   m.composed = false;
   if (factorize_inertia(*of.model, of.M.data(), of.diagonal.data()).empty())
@@ -290,7 +291,8 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
   return out;
 }
 
-// C_ij = S_i^T (B S_j + Yc Sd_j), C_ji = S_j^T (B S_i + Yc Sd_i) for an ancestor j of i; B, Yc of the subtree of i
+// For an ancestor j of i, C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i). Sd, Yc and B of the
+// subtree of i are defined in detail/algorithm/rnea_derivatives.hpp.
 Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
   RigidBodyMemory& m = internal::at_state("coriolis_matrix", bodies, q, &v, nullptr, data);
   differentiate(bodies, {}, m);

@@ -1,4 +1,5 @@
-// Functions of algorithm/rigid_body.hpp for frames, quantities of all bodies, and joint wrenches.
+// Functions of algorithm/rigid_body.hpp for frames, for sums over all bodies (centre of mass, momentum, energy), and
+// for joint wrenches.
 
 #include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
@@ -16,7 +17,7 @@ namespace {
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
 
-// The robot of a frame among the robots of the data, and its memory; nullptr for a frame of the world.
+// The robot on which a frame is, and the robot's memory in the data; both are nullptr for a frame of the world.
 struct Owner {
   const Robot* robot = nullptr;
   RobotMemory* memory = nullptr;
@@ -35,7 +36,7 @@ Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory&
   return {out, &m.robots[static_cast<std::size_t>(number)]};
 }
 
-// Returns read(robot, kin) for the robot of a frame, with velocities computed; zero for a frame of the world.
+// Returns read(robot, kin) for the robot of a frame, after computing velocities; zero for a frame of the world.
 template <class Read>
 Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
              Read&& read) {
@@ -95,11 +96,12 @@ Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, co
   return a.isZero(0) ? rate : Vec6d(rate - frame_jacobian(bodies, data, frame, axes) * a);
 }
 
-// ---- the whole -----------------------------------------------------------------------------------------------------
+// ---- all bodies ----------------------------------------------------------------------------------------------------
 
 namespace {
 
-// Sums of(kinematics, body), a force or momentum in the body's tree frame, over all bodies, about the centre of mass.
+// Returns the sum of of(kinematics, body) over all bodies, about the centre of mass. `of` must return a force or a
+// momentum in the body's tree frame.
 template <class Of>
 Vec6d about_center(const RigidBodies& bodies, RigidBodyData& data, Of&& of) {
   internal::move(bodies, *data.memory);
@@ -196,7 +198,8 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// Returns the frame of the joint's child in the file if that is the parent in the tree; nullptr if it is not.
+// Returns the frame of the link that is the joint's child in the file, if this link is the joint's parent in the tree,
+// or nullptr if it is not.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

@@ -19,9 +19,9 @@ struct RobotMemory {
   const Model* model;
   Kinematics<double> kin;           // kinematics at the state of the data
   std::vector<Inertia<double>> Yc;  // composite inertias; valid if RigidBodyMemory::composed
-  std::vector<Vec6<double>> f;      // njoints: forces through the joints, in the tree frame
+  std::vector<Vec6<double>> f;      // njoints: wrenches that joints transmit to their subtrees, in the tree frame
   std::vector<Vec6<double>> fext;   // njoints: external forces, in the tree frame
-  std::vector<double> M;            // packed M; inverse_inertia_times, aba_derivatives factorize it
+  std::vector<double> M;            // packed M, overwritten with its factor by inverse_inertia_times, aba_derivatives
   Eigen::VectorXd diagonal;         // scratch: diagonal of M
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel;  // right-hand sides of M
   std::optional<AbaData<double>> aba;
@@ -32,7 +32,7 @@ struct RigidBodyMemory {
   std::vector<RobotMemory> robots;
   Eigen::VectorXd zero, v, a;  // nv entries: zeros; v and a of the state
   Eigen::VectorXd q;           // nq entries: q of the state
-  bool moving = false;         // whether kin has v and a of the state; if not, v = 0
+  bool moving = false;         // whether kin.v and kin.a are computed for the state; if not, the state has v = 0
   bool composed = false;       // whether Yc and M belong to the state
   bool carries = false;        // whether f is from an inverse dynamics at the state
   Eigen::VectorXd tau, h, g, qdd, driving;
@@ -41,7 +41,7 @@ struct RigidBodyMemory {
   AccelerationDerivatives acceleration;
 };
 
-/// Returns the memory of the data; throws std::invalid_argument if the data belong to other robots.
+/// Returns the memory of the data. Throws std::invalid_argument if the data were made for other robots.
 inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();

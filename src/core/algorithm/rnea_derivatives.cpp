@@ -17,7 +17,8 @@ RneaDerivativesOf<S>::RneaDerivativesOf(const Model& model)
 
 namespace {
 
-// Adds l and C of one body: 2B = [0, -2[l]x; 0, C], C = [w]I - I[w] - [v][h] - [h][v] - [k], with (l, k) = Y v.
+// Computes l and C of one body, where 2B = [0, -2[l]x; 0, C] (detail/algorithm/rnea_derivatives.hpp): C = [w]I - I[w] -
+// [v][h] - [h][v] - [k]. (v, w) is the body's velocity, (l, k) its momentum, h its first moment of mass.
 template <class S>
 void add_rates(const Inertia<S>& Y, const Vec6<S>& velocity, Vec3<S>& l, Mat3<S>& C) {
   using V3 = Vec3<S>;
@@ -60,7 +61,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Fills the rows and columns of the derivatives for the coordinates k of joint i.
+// Computes the entries of the derivatives for each coordinate k of joint i, paired with k and with each ancestor of k.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;
@@ -88,7 +89,7 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
       ++at;
     };
     int j = k;
-    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of the same joint: S_i and the force rotate together
+    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of the same joint: S and the force rotate together
     Fq += cross_force(s, d.f[i]);
     for (j = model.dof_parent[joint.idx_v]; j >= 0; j = model.dof_parent[j]) entry(j);
   }

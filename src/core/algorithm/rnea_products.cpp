@@ -92,7 +92,7 @@ void pull_back(const Model& model, const Kinematics<S>& kin, const S* qdd, const
     const Joint& joint = model.joints[i];
     BodyVariationOf<S>& g = adjoint[i];
     const V6 vJ = kin.v[i] - parent_of(joint, kin.v), uJ = u[i] - parent_of(joint, u), aJ = combine(joint, kin, qdd);
-    g.v += cross_force(vJ, g.a);                    // a_i depends on v_i by v_i x S v
+    g.v += cross_force(vJ, g.a);                    // a_i depends on v_i by its term v_i x S v
     const V6 s = g.v - cross_force(kin.v[i], g.a);  // gradient with respect to S v
     g.xi += cross_force(uJ, g.u) + cross_force(vJ, s) + cross_force(aJ, g.a);
     for (int k = joint.idx_v; k < joint.idx_v + joint.nv(); ++k) {

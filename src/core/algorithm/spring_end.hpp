@@ -6,14 +6,14 @@ namespace manycontact {
 
 template <class S>
 struct SpringEnd {
-  WorldPoint<S> origin;            // origin of the body's tree frame; in the world: the end itself
+  WorldPoint<S> origin;            // origin of the body's tree frame; for an end in the world, the end itself
   Vec3<S> p = Vec3<S>::Zero();     // position of the end relative to `origin`
   Vec6<S> body = Vec6<S>::Zero();  // velocity of the body in its tree frame
 
   Vec3<S> velocity() const { return add_cross(body.template head<3>(), body.template tail<3>(), p); }
 };
 
-/// Computes one end of a spring. kin: kinematics of the end's robot; not used for an end in the world.
+/// Returns the end of a spring at `at`. kin: kinematics of the end's robot; not used for an end in the world.
 template <class S>
 SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   SpringEnd<S> end;
@@ -28,7 +28,7 @@ SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   return end;
 }
 
-/// Computes an end of a spring at the state for which `forces` were computed.
+/// Returns the end of a spring at `at`, in the state for which `forces` were computed.
 template <class S>
 SpringEnd<S> spring_end(const Attachment& at, const AppliedForces<S>& forces) {
   return spring_end<S>(at, at.robot < 0 ? nullptr : &forces.robots[forces.number[at.robot]].kin);

@@ -4,12 +4,11 @@ namespace manycontact {
 
 namespace {
 
-// The placement of an attachment's frame: relative to its body, in the tree frame's axes; the body's origin in the tree
-// frame; the tree frame's origin in the world. For immovable frames the latter is the frame's origin or the base's.
+// The placement of an attachment's frame, in three parts whose origins add up.
 struct Placed {
-  SE3<double> frame;
-  Vec3<double> body;
-  WorldPoint<double> tree;
+  SE3<double> frame;        // the frame relative to its body's origin, in the world's axes
+  Vec3<double> body;        // the body's origin in the tree frame
+  WorldPoint<double> tree;  // the tree frame's origin in the world; for immovable frames, their own or their base's
 };
 Placed placed(const Scene& scene, const Attachment& at, const BodyKinematics<double>* kin) {
   const Vec3<double> none = Vec3<double>::Zero();
@@ -25,7 +24,7 @@ Placed placed(const Scene& scene, const Attachment& at, const BodyKinematics<dou
 void body_rows(const Scene& scene, const Contact& c, const BodyKinematics<double>* kinA,
                const BodyKinematics<double>* kinB, const Vec6<double>& aA, const Vec6<double>& aB,
                ContactData<double>& d) {
-  Vec6<double> rest = Vec6<double>::Zero();  // acceleration of immovable bodies minus gravity
+  Vec6<double> rest = Vec6<double>::Zero();  // acceleration minus gravity of immovable bodies
   rest.head<3>() = -scene.gravity;
   const Placed A = placed(scene, c.A, kinA), B = placed(scene, c.B, kinB);
   d.aMA = d.bMA = A.frame;

@@ -16,7 +16,7 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
-// Computes one column of dx_dq and dx_dv from s = s_i; P1, P2, P3 are defined in the header.
+// Computes columns of dx_dq and dx_dv from s = s_i. s_i, P1, P2, P3 are defined in detail/contact/derivatives.hpp.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;
@@ -70,7 +70,7 @@ struct Column {
   }
 
  private:
-  // derivative of nu_ang x nu_lin + beta nu_lin along dnu
+  // Returns the derivative of nu_ang x nu_lin + beta nu_lin along dnu.
   V3 point_terms(const V6& dnu) const {
     return dnu.template tail<3>().cross(lin) + ang.cross(dnu.template head<3>()) + beta * dnu.template head<3>();
   }

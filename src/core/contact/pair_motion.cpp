@@ -9,7 +9,7 @@ namespace {
 template <class S>
 using OfRows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// Returns S_m W_m x for member m of a pair, whose first row is `row`.
+// Returns S_m W_m x (contact/pair_rows.hpp) for member m of a pair. row: number of the member's first row.
 template <class S>
 OfRows<S> weighed_rows(const PairRows& pair, std::size_t m, int row, const Vec6<S>& x) {
   OfRows<S> out = rows_of_member<S>(pair.members[m], x);
@@ -41,7 +41,8 @@ S largest_in(const Vec3<S>& x) {
   return larger(larger(S(abs(x[0])), S(abs(x[1]))), S(abs(x[2])));
 }
 
-// Computes the last two numbers of ContactData::left: deviations from a common motion and placement.
+// Computes the last two numbers of ContactData::left: the largest terms of the bias accelerations of the members' rows,
+// and how far the two bodies are from moving as one body at their reference placement.
 template <class S>
 void judge_motion(const Contact& c, ContactData<S>& d) {
   const auto of_both = [&](int at) {

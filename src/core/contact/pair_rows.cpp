@@ -24,19 +24,22 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// Returns to^-1 of; accurate also if both placements are far away from their body's origin.
+// Returns the placement `of` relative to the placement `to`. The result is accurate even if both are far from their
+// body's origin.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
-// Returns the placement of the pair's A on A's body: at the mean of the members' origins, in the first member's axes.
+// Returns the placement of the pair's frame A on its body: at the mean of the origins of the members' frames A, with
+// the axes of the first member's.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
   for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
   return at;
 }
 
-// Returns the placement of the pair's B', relative to the first member's B' as the pair's A is to the first member's A.
+// Returns the placement of the pair's frame B' on its body. Relative to the first member's B', it is placed as the
+// pair's frame A is relative to the first member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
 }
@@ -51,7 +54,8 @@ Contact member_of(const Contact& from) {
   return out;
 }
 
-// Returns B = [S_m W_m X_m] of all members.
+// Returns B (contact/pair_rows.hpp), whose blocks of rows are S_m W_m X_m of the members m. A: placements of the
+// members' frames A in the pair's frame A.
 Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>& A) {
   Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
   Eigen::Index row = 0;
@@ -65,7 +69,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-// Returns the rank of the rows, or -1 if it is doubtful.
+// Returns the rank of the decomposed matrix, or -1 if it is doubtful.
 int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
@@ -79,7 +83,7 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   return rank;
 }
 
-// Flags `rank` rows of B: each is independent of the rows before it.
+// Flags the first `rank` rows of B that are each independent of the rows before.
 std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
@@ -96,8 +100,9 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// Returns the rotation of Q's columns that makes the rows of Q flagged in `spans` lower triangular with a positive
-// diagonal. A row of R then depends on rows of R before it if the flagged row of B depends on flagged rows before it.
+// Returns an orthogonal matrix T such that the rows of Q T that `spans` flags are lower triangular with a positive
+// diagonal. With Q T in place of Q, a row of R depends on the rows before it exactly if the flagged row of B depends on
+// the flagged rows before it.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // the flagged rows of Q, as columns
   Eigen::Index k = 0;
@@ -110,7 +115,8 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// Computes B = Q R. Returns false if B's rows are independent, or if the rank is doubtful.
+// Computes numbers.Q, R, R_right and terms, with B = Q R (contact/pair_rows.hpp). Returns false if the rows of B are
+// independent, or if their rank is doubtful.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
@@ -121,7 +127,8 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   pair.spans = first_independent(B, rank);
   numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
-  // A right inverse of R with rotations in units of moment arms, so that its error does not depend on the arms' length.
+  // The angular columns of R are scaled to the norm of the linear columns, so that the error of the right inverse does
+  // not depend on the length of moment arms.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
@@ -133,7 +140,8 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   return true;
 }
 
-// Computes what may change between solves: the gains, by which terms of a0 are scaled, and the placement of B'.
+// Computes the numbers that may change between solves: the pair's gains, which are the largest of its members' and only
+// scale terms of a0, and the placements of B'.
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);

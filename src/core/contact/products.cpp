@@ -12,7 +12,7 @@ void contact_tangent(const Contact& c, const ContactData<S>& d, const BodyVariat
   using V3 = Vec3<S>;
   using V6 = Vec6<S>;
   const V6 xi = d.aMA.act_inverse(a.xi), relative = xi - d.bMA.act_inverse(b.xi);
-  // if A moves by xi, quantities in A's axes change by -xi x quantity
+  // If A moves by xi, a vector that is constant in the tree frame changes in A's axes by -xi x vector.
   const V6 dvA = d.aMA.act_inverse(a.v) - cross_motion(xi, d.vA), dvB = d.bMA.act_inverse(b.v) - cross_motion(xi, d.vB);
   const V6 daA = d.aMA.act_inverse(a.a) - cross_motion(xi, d.aA), daB = d.bMA.act_inverse(b.a) - cross_motion(xi, d.aB);
   const V6 dnu = dvA - dvB;
@@ -61,7 +61,7 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
     gnu = S(c.beta) * N;
     relative.setZero();
     if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);
-  } else {  // only 5D gives N an angular part
+  } else {  // among these types, N has an angular part for 5D only
     const V3 n = N.template head<3>(), e = d.G.R.transpose() * d.G.p;
     gnu << S(c.beta) * n + n.cross(d.nu.template tail<3>()), d.nu.template head<3>().cross(n);
     relative << S(c.alpha) * n, -S(c.alpha) * e.cross(n);

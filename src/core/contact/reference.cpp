@@ -26,7 +26,7 @@ SE3<double> ReferenceResolver::placement(const Attachment& at, const SE3<double>
 
 void ReferenceResolver::resolve(bool position, bool orientation, Contact& contact) {
   const SE3<double> oMA = placement(contact.A, contact.A.placement);
-  SE3<double> body;  // placement of the body on which B' is placed
+  SE3<double> body;  // placement in the world of the body to which B' is fixed; the identity for the world
   if (contact.B.robot >= 0) body = placement(contact.B, {});
   const SE3<double> target = body.inverse() * oMA;
   if (position) contact.B.placement.p = target.p;

@@ -50,14 +50,16 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return M;
 }
 
-// Origin, in the world, of the frame of `place`. A fixed base's kin is not used, as it may be of an earlier state.
+// Returns the position in the world of the origin to which `place` refers. For an attachment on a fixed base, kin is
+// not used, as it may be of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];
   return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
-// Sets W: the contact's rows in A's axes; if the rows are in the world's axes, W rotates them by R = oR_A.
+// Computes d.W, which selects the contact's rows from a motion in A's axes. If the rows are in the world's axes, W also
+// rotates the motion by R = oR_A.
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
   Mat3<S> axes = Mat3<S>::Identity();
@@ -140,7 +142,7 @@ template <class S>
 void contact_rows_between(const Vec3<double>& gravity, const Contact& c, const ContactSupport& support,
                           const Kinematics<S>& kinA, const SE3<S>& aMA, const Kinematics<S>* kinB, const SE3<S>& bMB,
                           const Vec3<S>& from_b, ContactData<S>& d) {
-  Vec6<S> rest = Vec6<S>::Zero();  // acceleration of immovable bodies minus gravity
+  Vec6<S> rest = Vec6<S>::Zero();  // acceleration minus gravity of immovable bodies
   rest.template head<3>() = -gravity.cast<S>();
   d.aMA = d.bMA = aMA;
   d.bMA.p += from_b;

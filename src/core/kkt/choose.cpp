@@ -22,7 +22,8 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// Cost of the terms of M and J, which sparse-bodies does not need; large islands compute these contact by contact.
+// Returns the cost of the terms of M and J, which sparse-bodies does not need. In islands too large for SIMD batches,
+// these terms are computed contact by contact, at a higher cost.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -30,7 +31,7 @@ double cost_of_terms(const IslandShape& shape) {
   return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
 }
 
-// Cost of sparse-ldl. It also grows with the number of supernodes, and of the index ranges that supernodes update.
+// Returns the cost of sparse-ldl, which includes costs per supernode and per index range that a supernode updates.
 double cost_ldl(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
   const double ranges = (order == Order::kContactsEarly ? kLdlShortRange : kLdlRange) * L.scattered;
@@ -60,7 +61,8 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than a factor of K with this cost. Shallow islands are not analysed.
+// Whether sparse-bodies is predicted to be cheaper than a factor of K of the given cost. Islands whose bodies alone
+// make it more expensive are not analysed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();
@@ -68,7 +70,7 @@ bool bodies_are_cheaper(IslandShape& shape, double cost) {
   return kBody * nodes < cost && cost_bodies(shape) < cost;
 }
 
-// The number of coordinates that move a body.
+// Returns the number of coordinates that move the body of an attachment.
 double chain_length(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Model& model = *scene.robots[at.robot].model;
@@ -90,7 +92,7 @@ double joint_space_size(const IslandShape& shape) {
 double least_cost_ldl(const IslandShape& shape) {
   sparse::LdlCounts least;
   for (const Robot& robot : shape.scene().robots)
-    for (const double depth : robot.model->dof_depth) {  // M's column has entries in its ancestors' rows, in any order
+    for (const double depth : robot.model->dof_depth) {  // L has at least M's entries, one per ancestor
       least.nonzeros += depth;
       least.flops += depth * (depth + 2);
     }
@@ -106,7 +108,7 @@ double cost_dense(const IslandShape& shape) {
   return kDenseCall + kDenseFlop * (4 * n * n * m + 2 * n * n * n);
 }
 
-// Cost of a full triangular factor of the contact rows, at `entry` per entry and `flop` per multiply-add.
+// Returns the cost of a full triangular factor of the contact rows. entry: cost per entry; flop: cost per multiply-add.
 double full_rows_cost(const Island& island, double entry, double flop) {
   const double n = island.nc;
   return entry * n * n / 2 + flop * n * n * n / 3;
@@ -157,7 +159,7 @@ Choice choose(IslandShape& shape, const Options& options) {
   if (options.method != Method::kAuto) return choice;
   choice.method = Method::kSparseLdl;
   if (!options.order && bodies_are_cheaper(shape, cost_ldl(shape, choice.order)))
-    return {Method::kSparseBodies, choice.order};  // the order is for the whole K, as a fallback
+    return {Method::kSparseBodies, choice.order};  // the order is used if a factor of K replaces sparse-bodies
   return choice;
 }
 

@@ -1,4 +1,4 @@
-// The order contacts-early: a contact is eliminated as soon as the joints eliminated before give it sound pivots.
+// The order contacts-early eliminates a contact as soon as the joints eliminated before it give its rows sound pivots.
 
 #include <algorithm>
 #include <array>
@@ -19,8 +19,9 @@ namespace manycontact {
 
 namespace {
 
-// Computes J, a matrix for each contact, in a configuration without symmetry, `mean` +- `most` from the neutral one.
-// Bases are left out, so that islands of one shape get the same order. other: phase between successive robots.
+// Returns J, one matrix per contact, in a configuration without symmetry. Each coordinate differs from the neutral
+// configuration by `mean` plus or minus up to `most`. All bases are at the world's origin, so that islands of one shape
+// get the same order. other: difference of phase between successive robots.
 std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
                                           double mean, double most, double other) {
   std::vector<Eigen::MatrixXd> J;
@@ -44,7 +45,7 @@ std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& isla
   return J;
 }
 
-// Scales J's rows to unit length, so that the part that some coordinates contribute is relative to the whole row.
+// Scales J's rows to unit length, so that the contributions of some of the coordinates are relative to the whole row.
 std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   for (Eigen::MatrixXd& rows : J)
     for (auto row : rows.rowwise())
@@ -52,9 +53,9 @@ std::vector<Eigen::MatrixXd> of_unit_rows(std::vector<Eigen::MatrixXd> J) {
   return J;
 }
 
-// Sorts robots by degree in the graph whose edges are contacts, so that each robot is coupled to few others when it is
-// eliminated. Robots furthest from the ground count one coupling more, to a robot that comes last: the grounded end of
-// a tower is then eliminated first (pattern.cpp).
+// Returns the robots in an order of minimum degree in the graph whose edges are contacts, so that each robot is coupled
+// to few others when it is eliminated. Robots furthest from the ground get one more edge, to a node that comes last, so
+// that a tower is eliminated from its grounded end on (pattern.cpp).
 std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   const int n = static_cast<int>(island.robots.size());
   std::vector<std::pair<int, int>> joined;
@@ -67,9 +68,9 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   return camd_order_from_ground(n, std::move(joined));
 }
 
-// Clusters of bodies that placed contacts fix to each other; a contact of six rows fixes its two bodies. Placed means:
-// already in the order. Rows of another contact within a cluster are sums of placed rows. They vanish after elimination
-// in any order, so that such contacts need not wait for coordinates.
+// Clusters of bodies that are fixed to each other by contacts of six rows which are already in the order. The rows of
+// another contact within a cluster are sums of rows in the order, so that elimination leaves nothing of them. Such a
+// contact need not wait for coordinates.
 class Clusters {
  public:
   Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
@@ -82,7 +83,8 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Places contact c. Calls use(contact) for contacts within the enlarged cluster, which may be placed at once.
+  /// Takes into account that contact c is in the order now. Calls use(contact) for contacts between the two clusters
+  /// that c unites, which may follow at once.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
@@ -116,16 +118,17 @@ class Clusters {
   std::vector<int> first_;  // first body of each robot; the world is body 0
   std::vector<int> memory_;
   std::optional<sparse::UnionFind> sets_;
-  std::vector<std::vector<int>> touching_;  // one entry per root of a cluster: contacts on its bodies
+  std::vector<std::vector<int>> touching_;  // contacts on the bodies of a cluster, one list per root of a cluster
 };
 
 // Whether both ends of a contact are on one robot, so that it closes a loop.
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
-// A contact is ready once eliminated coordinates that no other contact has used move it in as many directions as it has
-// rows, by at least `distinct`. It then uses up the coordinates that move it best. J: unit rows in several
-// configurations; a contact must be ready in all of them. A contact that closes a loop is ready once all its
-// coordinates are eliminated: these are few, and independent rows then have sound pivots in every configuration.
+// Returns the order of all rows of K, given the order `robots`. A contact enters the order when eliminated coordinates
+// that no other contact has used move it in as many directions as it has rows, by at least `distinct` in all
+// configurations of J. It then uses up the coordinates that move it best. A contact that closes a loop enters the order
+// when all its coordinates are eliminated. These are few, and independent rows then have sound pivots in every
+// configuration. J: unit rows of each contact in several configurations.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {
@@ -149,7 +152,7 @@ std::vector<int> with_contacts(const Scene& scene, const Island& island, const I
       const std::vector<int>& columns = support.columns[c];
       const bool loop = closes_loop(scene.contacts[island.contacts[c]]);
       if (loop && !std::ranges::all_of(columns, [&](int k) { return eliminated[k] != 0; })) continue;
-      std::vector<int> available;  // columns of J that are eliminated and not used up
+      std::vector<int> available;  // columns of J whose coordinates are eliminated and not used up
       for (std::size_t k = 0; k < columns.size(); ++k)
         if (eliminated[columns[k]] && !used[columns[k]]) available.push_back(static_cast<int>(k));
       const Eigen::Index rows = J.front()[c].rows(), most = static_cast<Eigen::Index>(available.size());

@@ -23,7 +23,7 @@ MatX<S> kkt_matrix(const DenseKkt<S>& kkt) {
 
 namespace {
 
-// Determines the rank of J, and independent rows, by a pivoted QR of J^T.
+// Determines the rank of J and independent rows by a pivoted QR of J^T, after dividing each row of J by its size.
 template <class S>
 void decide_rank(DenseKkt<S>& kkt) {
   MatX<S> scaled = kkt.J.transpose();
@@ -53,7 +53,7 @@ void decompose_rows(DenseKkt<S>& kkt) {
     sorted.row(k) = C.col(order[k]).transpose();
     kkt.sorted.indices()[kkt.choice.colsPermutation().indices()[order[k]]] = k;
   }
-  if (kkt.of_Ct.cols() != kkt.rank)  // constructed again, as in factor
+  if (kkt.of_Ct.cols() != kkt.rank)  // not resized, for the reason given in `factor`
     kkt.of_Ct = Eigen::ColPivHouseholderQR<MatX<S>>(kkt.nc(), kkt.rank);
   kkt.of_Ct.compute(sorted);
 }
@@ -65,8 +65,8 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// Whether the factor of A = N^T M N is sound. Pivots may consist of rounding errors of the terms |N|^T |M| |N|, even if
-// these terms are much larger than A, or of rounding errors of M times N's unit columns.
+// Whether the factor of A = N^T M N is sound. A pivot must exceed the rounding errors of the terms |N|^T |M| |N|, which
+// may be much larger than A, and the effect of N's own rounding errors.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
@@ -81,7 +81,7 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
-  // Without pivoting, a poor pivot may enlarge errors of later pivots; the condition number then is large.
+  // Without pivoting, a small pivot may enlarge errors of later pivots. The condition number is large in this case.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
     Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
     y = llt.solve(y.template cast<S>()).template cast<double>();
@@ -150,7 +150,8 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // After a change of rank these are constructed again: if memory runs out, Eigen's resize leaves a freed array.
+  // After a change of rank, N and reduced are constructed again: if memory runs out, Eigen's resize leaves a freed
+  // array.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));
@@ -179,7 +180,7 @@ void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>
     return;
   }
   solve_once<S>(kkt, b1, b2, a, f);
-  // r2 contains the least-squares residual. It is orthogonal to J's range, so that it changes nothing.
+  // r2 contains the least-squares residual, which is orthogonal to J's range and has no effect on da and df.
   const MatX<S> r1 = b1 - kkt.M * a + kkt.J.transpose() * f, r2 = b2 - kkt.J * a - kkt.delta * f;
   MatX<S> da, df;
   solve_once<S>(kkt, r1, r2, da, df);

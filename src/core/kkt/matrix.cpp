@@ -3,7 +3,7 @@
 namespace manycontact {
 
 void KktMatrix::reset(std::shared_ptr<const KktPattern> p) {
-  values.assign(p->K.nonzeros(), 0.0);  // first: if this throws, K keeps its old pattern
+  values.assign(p->K.nonzeros(), 0.0);  // first, so that K keeps its old pattern if this throws
   pattern = std::move(p);
 }
 

@@ -24,7 +24,7 @@ namespace {
 
 using Entries = std::vector<std::pair<int, int>>;
 
-// Lists the entries of M as (row, column) of K, in the order of M's packed storage.
+// Returns the entries of M as (row, column) of K, in the order of M's packed storage.
 Entries inertia_entries(const Scene& scene, const Island& island) {
   Entries entries;
   for (std::size_t r = 0; r < island.robots.size(); ++r) {
@@ -98,9 +98,9 @@ std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> 
 
 namespace {
 
-// Appends a row with entries in the joints of the robots furthest from the ground. Among otherwise equal orders, CAMD
-// then eliminates a tower from the ground on, where constrained bodies are at rest. In an order from the free end on,
-// the inertia of all bodies above would be part of the pivots of each contact below.
+// Returns K with one more row, which has entries in the joints of the robots furthest from the ground. Among otherwise
+// equal orders, CAMD then eliminates a tower from the ground on, where constrained bodies are at rest. In an order from
+// the free end on, the inertia of all bodies above a contact would be part of the contact's pivots.
 sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
   const std::vector<char> furthest = robots_furthest_from_ground(scene, island);
   sparse::UpperCsc out = K;
@@ -116,7 +116,7 @@ sparse::UpperCsc with_row_of_furthest(const Scene& scene, const Island& island, 
 
 }  // namespace
 
-// Returns CAMD's order, constrained to eliminate the joints before the contacts.
+// Implements Order::kCamd: CAMD's order with the constraint that joints are eliminated before contacts.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K) {
   if (island.nv == 0) return sparse::camd_order(K, {});  // CAMD refuses constraint sets if the first set is empty
   std::vector<int> set(island.size(), 0);

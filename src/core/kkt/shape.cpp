@@ -12,7 +12,8 @@ namespace manycontact {
 
 namespace {
 
-// The bodies of a contact's two ends. An immovable A, which may be on another island's robot, counts as on B's robot.
+// Return the bodies of a contact's two ends, with robots numbered within the island. An immovable A may be on a robot
+// of another island; it counts as on B's robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -21,10 +22,12 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether the position of a contact on A's body affects its directions; 6D contacts constrain all directions.
+// Whether the position of a contact on A's body affects which motions the contact constrains. A contact with six rows
+// constrains all motions, wherever it is.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// Sorts each contact's rows ascending. K's pattern does not change, since the rows of a contact have equal columns.
+// Changes an order such that the rows of each contact are in ascending order. The pattern of K does not change, since
+// the rows of a contact have equal columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -79,7 +82,7 @@ const sparse::LdlCounts& IslandShape::counts(Order order) {
   auto& counts = counts_[static_cast<std::size_t>(order)];
   if (counts) return *counts;
   const sparse::UpperCsc K = natural_pattern(scene_, island_, support());
-  for (const Order each : kOrders)  // counts of all orders, as callers compare these
+  for (const Order each : kOrders)  // all orders are counted, as callers compare them
     counts_[static_cast<std::size_t>(each)] = sparse::ldl_count(sparse::permute(K, sparse::inverse(permutation(each))));
   return *counts;
 }
@@ -120,7 +123,7 @@ std::uint64_t word(int robot, int joint) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
 }
 
-// Adds to the key: the trees, and types of contacts between their bodies.
+// Adds to the key the structures of the trees, and the types and bodies of the contacts.
 void add_structure(const Scene& scene, const Island& island, Words& key) {
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));
@@ -132,7 +135,8 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Adds to the key for contacts-early: models, and the places and axes of contacts that IslandShape keeps.
+// Adds to the key all other numbers on which the order contacts-early depends: models, and the placements and axes of
+// contacts that IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {
@@ -143,7 +147,7 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
     if (place_counts(contact)) add(contact.A.placement.R), add(contact.A.placement.p);
     if (has_axis(contact.type)) add(contact.axis);
     if (!contact.pair || !place_counts(contact)) continue;
-    for (const double x : contact.pair->numbers->R.reshaped())  // floats: copies' numbers differ by rounding
+    for (const double x : contact.pair->numbers->R.reshaped())  // rounded, as equal contacts differ by rounding
       key.push_back(std::bit_cast<std::uint32_t>(static_cast<float>(x)));
   }
 }
@@ -156,8 +160,9 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
-  // All shapes of the program: data of one scene, such as the nodes of a horizon, share analyses, which then stay in
-  // the processor's caches. The key identifies a shape's models by their addresses while the models exist.
+  // at_hand has all shapes of the program that are in use. Data of the same scene, such as the nodes of a horizon,
+  // share them, so that they stay in the processor's caches. A key has the addresses of models, which a shape keeps
+  // alive.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

@@ -11,7 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns why the number x of a spring (its `name`) is invalid, or "".
+// Returns why x is invalid as the property `name` of a spring, or "" if it is valid.
 std::string problem_of_number(const char* name, double x) {
   return x >= 0 && std::isfinite(x) ? "" : "has a " + std::string(name) + " that is not 0 or more";
 }

@@ -40,7 +40,8 @@ int axis_kind(const Vec3<double>& axis) {
   return 3;
 }
 
-// Numbers subtrees. Numbering is depth first if the chain from joint i-1 to the base contains i's parent.
+// Computes subtree_end. Throws std::invalid_argument if joints are not numbered depth first, i.e. if the chain from a
+// joint i-1 to the base does not contain the parent of i.
 void number_subtrees(Model& model) {
   const int n = model.njoints();
   model.subtree_end.assign(n, 0);
@@ -58,14 +59,14 @@ void number_subtrees(Model& model) {
   }
 }
 
-// Returns the joints that place a robot in the world, e.g. along x and y: the first joints, with no more coordinates
-// than a base has, down to the last one with an offset. Lighter subtrees may branch off from these joints.
+// Returns the joints that place a robot in the world, e.g. along x and y. They are the first joints of the chain that
+// follows the largest subtrees, with at most six coordinates, up to the last joint that is not revolute.
 std::vector<int> path_to_anchor(const Model& model, int root) {
   constexpr int kBaseCoordinates = 6;
   std::vector<int> path{root};
   std::size_t length = 1;
   for (int j = root, coordinates = model.joints[root].nv(); !model.floating_base;) {
-    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // lower bound: below `next`
+    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // joints: size of the subtree of `next`, or its bound
     for (int child = j + 1; child < model.subtree_end[j]; child = model.subtree_end[child])
       if (model.subtree_end[child] - child > joints) next = child, joints = model.subtree_end[child] - child;
     if (next < 0 || (coordinates += model.joints[next].nv()) > kBaseCoordinates) break;
@@ -89,7 +90,7 @@ void find_trees(Model& model) {
   }
 }
 
-// Returns the velocity coordinates that have a torque. Needs idx_v.
+// Returns the velocity coordinates that have a torque. Call it after idx_v of all joints is set.
 std::vector<int> actuated_coordinates(const Model& model) {
   std::vector<int> out;
   for (int i = model.floating_base ? 1 : 0; i < model.njoints(); ++i)
@@ -97,7 +98,7 @@ std::vector<int> actuated_coordinates(const Model& model) {
   return out;
 }
 
-// Returns a key with everything on which patterns and the branches of the algorithms depend.
+// Returns a key with all properties of a model on which patterns and the branches of the algorithms depend.
 std::vector<std::uint64_t> key_of(const Model& model) {
   std::vector<std::uint64_t> key{model.floating_base};
   key.reserve(1 + 8 * model.joints.size());
@@ -112,7 +113,7 @@ std::vector<std::uint64_t> key_of(const Model& model) {
 
 }  // namespace
 
-/// An identity that all models of one structure share: only its address is used.
+/// An identity that all models of one structure share. Only its address is used.
 struct ModelStructure {};
 
 void finalize(Model& model) {

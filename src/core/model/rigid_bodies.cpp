@@ -46,7 +46,8 @@ int RigidBodies::njoints() const {
 
 namespace {
 
-// Returns the number of a link, or of the child link of a joint of the file (also a fixed joint); -1: none.
+// Returns the number of the frame of a link, or of the child link of a joint of the file (which may be a fixed joint).
+// Returns -1 if there is no such link or joint.
 int frame_number(const Model& model, const std::string& name) {
   const int frame = model.find_frame(name);
   if (frame >= 0 || name.empty()) return frame;
@@ -59,7 +60,8 @@ struct Found {
   int robot = 0, number = 0;
 };
 
-// Finds a number by "robot/name", or by "name" if there is only one robot.
+// Returns the robot and number(model, name) of an item called "robot/name", or just "name" if there is only one robot.
+// Throws std::invalid_argument with the text none(robot, name) if the robot has no such item.
 template <class Number, class None>
 Found find(const RigidBodies& bodies, const std::string& name, Number&& number, None&& none) {
   const std::span<const Robot> robots = bodies.robots();

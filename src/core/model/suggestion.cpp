@@ -14,7 +14,7 @@ std::string quote(std::string_view text) {
 
 namespace {
 
-// Returns Levenshtein's distance of a and b, computed one row of its table at a time.
+// Returns the Levenshtein distance of a and b, computed one row of its table at a time.
 std::size_t distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);
@@ -45,7 +45,8 @@ std::string in_order(const std::string& name) {
   return out;
 }
 
-// Returns the number of letters to change from a to b, whatever the order of words; 1 if a is a part of b.
+// Returns the number of letters to change from a to b or, if smaller, one more than this number after the words of both
+// are sorted. Returns 1 if a is a part of b.
 std::size_t difference(const std::string& a, const std::string& b) {
   if (a.size() > 2 && b.find(a) != std::string::npos) return a == b ? 0 : 1;
   return std::min(distance(a, b), distance(in_order(a), in_order(b)) + 1);

@@ -23,7 +23,7 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
   least.assign(K.n, 0.0);
   for (int k = 0; k < K.n; ++k) {
     if (of_M[k]) continue;
-    double size = 0;  // largest entry of row k of J, in the columns of M before it
+    double size = 0;  // largest entry of row k of J in columns of M that are eliminated before it
     for (int p = K.p[k]; p < K.p[k + 1]; ++p) size = std::max(size, std::abs(Kx[p]));
     const bool vanishes = !(size > margin * tolerance::kRank * row_size[k]);
     least[k] = vanishes ? std::numeric_limits<double>::infinity() : margin * tolerance::kPivotLeft;
@@ -43,8 +43,8 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // Rows of J before a row of M add terms to its pivot. If these terms dominate M's own entry, the rows of J had no
-    // sound pivot from the rows of M before them.
+    // Rows of J that are eliminated before a row of M add terms to its pivot. If these terms are much larger than M_kk,
+    // the rows of J had no sound pivot from the rows of M before them.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -68,7 +68,7 @@ using Errors = std::array<double, kColumns>;
 
 double* row_of(std::vector<double>& panel, int k) { return panel.data() + static_cast<std::ptrdiff_t>(k) * kColumns; }
 
-// y += factor x, for one row x, y of two panels.
+// Adds factor x to y, where x and y are rows of two panels.
 void add_row(double factor, const double* x, double* y) {
   Chunk sum = Chunk::load(y);
   sum.add(factor, x);
@@ -84,7 +84,8 @@ void clear(std::vector<double>& panel, std::vector<int>& listed, DependentRows& 
   listed.clear();
 }
 
-// residual <- J^T N for the panel's columns. Returns each column's largest residual, relative to the sizes of its rows.
+// Computes rows.residual = J^T N for the panel's columns of N. Returns the largest residual of each column, relative to
+// its largest entry of N times the size of the entry's row of J.
 Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M,
                             const double* row_scale, DependentRows& rows) {
   clear(rows.residual, rows.touched, rows);
@@ -107,14 +108,14 @@ Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::sp
   return largest;
 }
 
-// Whether row k was dropped by an exchange, or still waits, so that it may depend on later rows.
+// Whether row k was dropped by an exchange or after it had waited, so that it may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
          std::find(w.rows.begin() + w.joined, w.rows.end(), k) != w.rows.end();
 }
 
-// Lists J's entries in rows of M that follow the row of J (Jp, Ji).
+// Lists, in rows.Jp and Ji, the entries of each row of J in columns whose row of M follows the row of J.
 void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, DependentRows& rows) {
   rows.Jp.assign(K.n + 1, 0);
   rows.M_first = std::is_sorted(of_M.begin(), of_M.end(), std::greater<>());
@@ -137,8 +138,8 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// Computes columns e_k - z of N in the panel rows.N, for up to kColumns dropped rows k: L^T z = row k of L, over the
-// rows of J before k.
+// Computes the columns e_k - z of N for up to kColumns dropped rows k, in the panel rows.N, by backward substitution in
+// L^T z = row k of L over the rows of J before k.
 void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
@@ -213,13 +214,13 @@ void begin_columns(const sparse::UpperCsc& K, std::span<const char> of_M, Depend
   rows.met.assign(K.n, 0);
   for (std::vector<double>* panel : {&rows.N, &rows.residual})
     panel->assign(static_cast<std::size_t>(K.n) * kColumns, 0.0);
-  // Reserve the most: refinements and the number of listed rows vary with rounding, and memory must not.
+  // Reserves the largest sizes: refinements and numbers of listed rows vary with rounding errors, but memory must not.
   rows.x.reserve(static_cast<std::size_t>(K.n) * kColumns);
   for (std::vector<int>* listed : {&rows.of_N, &rows.touched}) listed->clear(), listed->reserve(K.n);
   take_later_entries(K, of_M, rows);
 }
 
-// Computes columns of N for the dropped rows from rows.dropped[first] on, and appends these to N.
+// Computes the columns of N for the dropped rows from rows.dropped[first] on, and appends them to N.
 void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                   const double* row_scale, const double* Lx, const SolvePanel& solve, std::size_t first,
                   DependentRows& rows) {
@@ -246,7 +247,8 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Keeps plainly dependent rows and their columns of N; the other rows wait. Returns the number of rows kept.
+// Moves dropped rows whose dependence is not certain (rows.plain) to the waiting rows, and removes their columns of N.
+// Returns the number of dropped rows that remain.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;
@@ -265,7 +267,7 @@ std::size_t keep_plain_columns(DependentRows& rows) {
   rows.Np.resize(plain + 1);
   rows.Ni.resize(end);
   rows.Nx.resize(end);
-  rows.largest_residual = 0;  // columns that remain leave at most kRowLeft
+  rows.largest_residual = 0;  // residuals of the remaining columns are at most kRowLeft
   return plain;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns the pattern of K = [I A^T; A 0] in CAMD's order, x before y.
+// Returns the pattern of K = [I A^T; A 0] in CAMD's order, the rows of I first, and that order as iperm.
 sparse::UpperCsc augmented_pattern(int rows, int cols, const Entries& A, std::vector<int>& iperm) {
   std::vector<std::pair<int, int>> entries;
   for (const auto& a : A) entries.emplace_back(cols + a.row(), a.col());
@@ -36,7 +36,7 @@ std::vector<double> augmented_values(const sparse::UpperCsc& K, int cols, const 
   return Kx;
 }
 
-// Refines z += K^-1 (b - K z). Returns whether the componentwise backward error becomes a rounding error.
+// Refines z by z += K^-1 (b - K z). Returns whether the componentwise backward error is at most kConverged.
 template <class Solve>
 bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, const Solve& solve,
                      const std::vector<double>& b, std::vector<double>& z) {
@@ -54,7 +54,8 @@ bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, c
   return refinement.backward_error <= tolerance::kConverged;
 }
 
-// Solves by L D L^T of K. Returns std::nullopt if a pivot may consist of rounding errors.
+// Returns the x of least norm that minimises |A x - b|, by L D L^T of K = [I A^T; A 0], or std::nullopt if rounding
+// errors hide the rank of A.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   std::vector<int> iperm;
   const sparse::UpperCsc K = augmented_pattern(rows, cols, A, iperm);
@@ -94,10 +95,10 @@ Eigen::VectorXd by_decomposition(int rows, int cols, const Entries& A, const Eig
   return least_norm_solution(dense, b);
 }
 
-// A block of A: it has no rows or columns in common with other blocks.
+// A block of A that has no rows or columns in common with other blocks.
 struct Block {
   std::vector<int> rows, cols;
-  Entries entries;  // entries, with rows and columns numbered within the block
+  Entries entries;  // rows and columns are numbered within the block
 };
 
 std::vector<Block> blocks_of(int rows, int cols, const Entries& A) {

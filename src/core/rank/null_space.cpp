@@ -1,4 +1,5 @@
-// The projector on the null space of J^T: clusters of columns of N, a basis of each cluster, and exchanges of rows.
+// Computes the projector on the null space of J^T (rank/dependent_rows.hpp): clusters of columns of the null space
+// basis N, a basis B of each cluster, and exchanges of rows.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -32,7 +33,7 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
 }
 
-// Lists the rows of K in which a cluster's columns of N have entries: first its dropped rows, then kept rows.
+// Lists the rows of K in which a cluster's columns of N have entries, its dropped rows first, then kept rows.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   constexpr int kListed = -2;  // marks a row as listed, in rows.owner
   std::vector<int>& all = rows.cluster_rows;
@@ -48,13 +49,14 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// Computes B of a cluster as [Z^T; 1], a basis of the complement of its columns [1; -Z] of N: a column per kept row.
+// Sets the basis B of a cluster to [Z^T; 1], with one column per kept row. It spans the orthogonal complement of the
+// cluster's columns [1; -Z] of N.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
-  std::vector<int>& place = rows.owner;  // position of the next entry in the column of each kept row
+  std::vector<int>& place = rows.owner;  // numbers of entries of kept rows' columns, then positions of the next entries
   const int* kept = rows.cluster_rows.data() + cluster.row + cluster.count;
   for (int j = 0; j < cluster.size; ++j) place[kept[j]] = 1;
-  const auto each = [&](auto&& use) {  // all entries of N but the dropped rows' own
+  const auto each = [&](auto&& use) {  // calls use for all entries of N except the dropped rows' own
     for (int a = 0; a < cluster.count; ++a) {
       const int k = rows.dropped[rows.members[cluster.first + a]];
       each_of_null(rows, cluster, a, [&](int j, double value) {
@@ -81,7 +83,7 @@ void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
 bool is_small(const DependentRows::Cluster& cluster) {
   return static_cast<std::size_t>(cluster.row_end - cluster.row) * cluster.count <= tolerance::kMostExchanged;
 }
-// A cluster's columns of N, dense in the cluster's rows, stored in rows.panel.
+// Returns a cluster's columns of N as a dense matrix over the cluster's rows, stored in rows.panel.
 Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRows::Cluster& cluster) {
   const int n = cluster.row_end - cluster.row;
   const std::size_t size = static_cast<std::size_t>(n) * cluster.count;
@@ -94,9 +96,9 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// Computes an orthonormal basis of a cluster's columns of N, dense in the cluster's rows, by Gram-Schmidt twice,
-// largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). Errors J^T n grow by
-// |column|/|remainder|.
+// Sets the basis B of a cluster to an orthonormal basis of its columns of N, dense over the cluster's rows. It uses two
+// Gram-Schmidt passes, largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). Errors J^T n grow by
+// |column| / |remainder|.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -125,7 +127,8 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
   return largest;
 }
 
-// Computes B of a cluster: orthonormal if entries of N are large, else N or the complement, whichever is smaller.
+// Computes the basis B of a cluster. B is orthonormal if entries of N are large; otherwise B is N or a basis of its
+// orthogonal complement, whichever has fewer columns.
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);
@@ -146,7 +149,7 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
 // Groups the columns of N that share rows into clusters.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
-  // owner: for each row of K a column of N with an entry there, or -1; then for each column the first of its cluster
+  // owner[k], row k of K: a column of N with an entry there, or -1. owner[n + c], column c: its cluster's first column.
   std::vector<int>& owner = rows.owner;
   owner.assign(n + d, -1);
   sparse::UnionFind sets(std::span<int>(owner).subspan(n));
@@ -157,7 +160,7 @@ void make_clusters(int n, DependentRows& rows) {
       if (of >= 0 && of != joined) sets.join(joined = of, c);
     }
   }
-  constexpr std::size_t kReserved = 64 * 64;  // constant: clusters vary with rounding errors, but memory must not
+  constexpr std::size_t kReserved = 64 * 64;  // a constant, as clusters vary with rounding errors, but memory must not
   const std::size_t most = static_cast<std::size_t>(d) * d, entries = rows.Ni.capacity() + n;
   rows.members.clear();
   rows.cluster_rows.clear();
@@ -221,9 +224,10 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
-// Approximately maximises the volume of the square block of N in the dropped rows: Goreinov, Oseledets, Savostyanov,
-// Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010). N = [1; -Z] in the dropped and the kept rows. The
-// exchange of kept row i with dropped row j is a pivot step on N_ij.
+// Exchanges dropped rows with kept rows such that the square block of N in the dropped rows has approximately the
+// largest volume. N = [1; -Z] in the dropped and the kept rows, and the exchange of kept row i with dropped row j is a
+// pivot step on N_ij. Returns whether rows were exchanged. Source: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov,
+// Zamarashkin, How to find a good submatrix (2010).
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
   if (!is_small(cluster)) return false;
   const int* row = rows.cluster_rows.data() + cluster.row;
@@ -243,7 +247,7 @@ bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& clus
   return exchanged;
 }
 
-// T <- (B^T B)^-1 T with the Cholesky factor of B^T B in rows.gram.
+// Overwrites t with (B^T B)^-1 t, by the Cholesky factor of B^T B in rows.gram.
 template <class T>
 void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster, T&& t) {
   const int n = cluster.size;
@@ -258,8 +262,8 @@ void solve_gram(const DependentRows& rows, const DependentRows::Cluster& cluster
   }
 }
 
-// Calls use(cluster) for each cluster, twice if its basis is orthonormal: N then has large entries, as its kept rows
-// are small, and the second projection removes the rounding errors of the first.
+// Calls use(cluster) for each cluster, and twice if its basis is orthonormal. N has large entries in this case, as its
+// kept rows are small, and the second projection removes the rounding errors of the first.
 template <class Use>
 void each_projection(const DependentRows& rows, Use&& use) {
   for (const DependentRows::Cluster& cluster : rows.clusters)
@@ -305,7 +309,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
       each_of_basis(rows, cluster, a, [&](int k, double value) { t[a] += value * y[k]; });
     solve_gram(rows, cluster, t);
     if (cluster.kind ==
-        cluster.kComplement) {  // I - P has the lower rank: y becomes zero on the cluster, then B t is added
+        cluster.kComplement) {  // B spans the range of I - P: sets y to zero on the cluster, then adds B t
       t = -t;
       for (int i = cluster.row; i < cluster.row_end; ++i) {
         const int k = rows.cluster_rows[i];
@@ -323,7 +327,8 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
 
 namespace {
 
-// Whether one of the cluster's rows of X is nonzero. Then all of them become nonzero, and their flags are set.
+// Returns whether any of the cluster's rows is flagged as nonzero. If so, sets the flags of all of them, since the
+// projection makes them nonzero.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
   const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
   const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });
@@ -336,7 +341,7 @@ bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, ch
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols, char* nonzero) {
   using Row = Eigen::Map<Eigen::RowVectorXd>;
   using Panel = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
-  constexpr int kColumns = 64;  // columns at a time; constant: clusters vary with rounding, memory must not
+  constexpr int kColumns = 64;  // columns at a time; a constant, as clusters vary with rounding, but memory must not
   const std::size_t size = rows.dropped.size() * kColumns;
   if (rows.panel.size() < size) rows.panel.resize(size);
   each_projection(rows, [&](const DependentRows::Cluster& cluster) {

@@ -26,7 +26,7 @@ void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* 
     }
 }
 
-// w.Z <- K1^-1 B in `width` columns, refined once.
+// Computes w.Z = K1^-1 B, which has `width` columns, with one refinement.
 void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, int width, const SolvePanel& solve,
                  WaitingRows& w) {
   const std::size_t size = static_cast<std::size_t>(K.n) * width;
@@ -42,8 +42,9 @@ void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, i
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
-// Computes the scale 1 / sqrt(terms) of each waiting row. Terms of its pivot are sums over K1's rows before the row,
-// and J_i^2 / M_ii for later rows i of M. Rows of J that are only rounding errors get the scale 0, and do not join.
+// Computes the scale 1 / sqrt(terms) of each waiting row. The terms of its pivot are l_j^2 |d_j| for the rows j of K1
+// before the row, and J_i^2 / M_ii for later rows i of M. Rows of J that are only rounding errors get the scale 0, so
+// that they do not join.
 void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                  const double* row_size, const double* Lx, const double* D, WaitingRows& w) {
   std::vector<double>&terms = w.scale, &largest = w.largest;
@@ -62,8 +63,8 @@ void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const 
   }
 }
 
-// Cholesky factorization of the lower half of A with diagonal pivoting; order: row numbers, exchanged like the rows of
-// A. Stops at the first pivot of at most kJoins; returns the number of pivots before this pivot.
+// Overwrites the lower half of A with its Cholesky factor, with diagonal pivoting. Exchanges the entries of `order`
+// like the rows of A. Stops at the first pivot of at most kJoins, and returns the number of pivots before it.
 int factorize_by_largest(Rows A, std::vector<int>& order) {
   const Eigen::Index n = A.rows();
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -106,7 +107,7 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, 
   std::iota(w.order.begin(), w.order.end(), 0);
   w.joined = factorize_by_largest(A, w.order);
 
-  // Reorders Z, the scales and the rows by w.order; Z keeps only the columns of rows that join.
+  // Reorders Z, the scales and the rows by w.order. Only columns of Z for rows that join remain.
   w.old_scale = w.scale, w.old_rows = w.rows;
   for (int c = 0; c < width; ++c) w.scale[c] = w.old_scale[w.order[c]], w.rows[c] = w.old_rows[w.order[c]];
   for (int k = 0; k < K.n; ++k)

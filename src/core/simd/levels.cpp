@@ -23,8 +23,8 @@ namespace simd {
 
 namespace {
 
-// A processor that runs a level also runs all levels after it. The avx512 level has dense products and double-double of
-// avx2: these need only fused multiply-add, and gain nothing from AVX-512.
+// The levels of this build. A processor that supports a level also supports all levels after it. The avx512 level uses
+// the dense products and the double-double arithmetic of avx2, which gain nothing from AVX-512.
 constexpr Level kLevels[] = {
 #ifdef MANYCONTACT_LEVEL_avx512
     {"avx512", sparse::level_avx512, sparse::blocks_level_avx2, lanes::level_avx512, lanes::level_one_avx512,

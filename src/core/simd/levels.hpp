@@ -1,14 +1,16 @@
 #pragma once
-// The kernels of all modules, compiled once per SIMD level (src/core/simd/levels.cmake) and chosen at run time.
+// Tables of the kernels of all modules. Kernels are compiled once per SIMD level (src/core/simd/levels.cmake), and a
+// level is chosen at run time.
 
 #include <span>
 
-/// Appends the level to a name: MANYCONTACT_OF_LEVEL(level_) is level_avx2 in sources compiled for avx2.
+/// MANYCONTACT_OF_LEVEL appends the level to a name: in sources compiled for avx2, MANYCONTACT_OF_LEVEL(level_) is
+/// level_avx2. The other macros are its steps.
 #define MANYCONTACT_PASTE(prefix, level) prefix##level
 #define MANYCONTACT_PASTE_VALUES(prefix, level) MANYCONTACT_PASTE(prefix, level)
 #define MANYCONTACT_OF_LEVEL(prefix) MANYCONTACT_PASTE_VALUES(prefix, MANYCONTACT_LEVEL)
 
-/// The name of the level as a string.
+/// MANYCONTACT_LEVEL_NAME is the name of the level as a string. The other macros are its steps.
 #define MANYCONTACT_QUOTE(level) #level
 #define MANYCONTACT_QUOTE_VALUE(level) MANYCONTACT_QUOTE(level)
 #define MANYCONTACT_LEVEL_NAME MANYCONTACT_QUOTE_VALUE(MANYCONTACT_LEVEL)
@@ -37,8 +39,8 @@ struct Level {
   bool (*runs)();  // whether this processor supports the level's instructions
 };
 
-/// All levels of this build that this processor supports, the widest first.
-/// @throws std::runtime_error if there are none: the build is for another processor
+/// Returns all levels of this build that this processor supports, the widest first.
+/// @throws std::runtime_error if there are none because the build is for another processor
 std::span<const Level> levels();
 
 }  // namespace simd

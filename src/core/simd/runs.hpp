@@ -1,4 +1,4 @@
-// Whether this processor supports a level's instructions: those of lane_flags_LEVEL in levels.cmake.
+// Functions that return whether this processor supports a level's instructions (lane_flags_LEVEL in levels.cmake).
 #pragma once
 #if defined(__x86_64__)
 namespace manycontact::simd {

@@ -1,5 +1,6 @@
 #pragma once
-// The functions of explog.hpp for SIMD batches. They loop over the robots, since logarithms have branches.
+// The functions of spatial/explog.hpp for SIMD batches. They loop over the robots of the batch, since logarithms have
+// branches that differ between robots.
 
 #include "manycontact/spatial/explog.hpp"
 

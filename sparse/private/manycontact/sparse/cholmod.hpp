@@ -11,7 +11,7 @@
 
 namespace manycontact::sparse {
 
-/// Symbolic analysis of a pattern in its given order. It is constant: several threads' Cholmod objects may share it.
+/// The symbolic analysis of a pattern, without reordering. It is constant, and several threads' Cholmod may share it.
 class CholmodSymbolic {
  public:
   explicit CholmodSymbolic(const UpperCsc& pattern);
@@ -20,7 +20,7 @@ class CholmodSymbolic {
   CholmodSymbolic& operator=(const CholmodSymbolic&) = delete;
 
   int size() const;
-  /// Number of nonzeros of the factor, diagonal included.
+  /// Returns the number of nonzeros of the factor, diagonal included.
   int factor_nonzeros() const;
 
  private:
@@ -37,13 +37,13 @@ class Cholmod {
   Cholmod(Cholmod&&) noexcept;
   Cholmod& operator=(Cholmod&&) noexcept;
 
-  /// Factorizes the matrix with the values Ax in the pattern's slots. Returns false if a pivot is zero.
+  /// Factorizes the matrix with entries Ax, in the order of the pattern's entries. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
   /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
   void solve(double* X, int cols);
   /// Copies the n pivots to D, in the order of elimination.
   void pivots(double* D) const;
-  /// Computes the terms of the pivots (n), defined as in pivot_terms of ldl.hpp.
+  /// Computes terms[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude of the terms of pivot k, for all n pivots.
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;
 

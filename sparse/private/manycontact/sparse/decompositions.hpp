@@ -1,5 +1,5 @@
 #pragma once
-// Eigen's dense decompositions of doubles are compiled once, in decompositions.cpp: half a minute less for each build.
+// Eigen's dense decompositions of doubles. Only decompositions.cpp compiles them, which saves half a minute of a build.
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>

@@ -1,6 +1,6 @@
 #pragma once
-// Products and factors of dense column-major blocks, compiled once per SIMD level (blocks/level.cpp). Only raw pointers
-// are passed to a level, no Eigen types, whose code differs between levels.
+// Products and factors of dense column-major blocks, compiled once per SIMD level (blocks/level.cpp). The functions
+// take raw pointers and no Eigen types, since the code of Eigen's types differs between levels.
 
 #include <cstddef>
 
@@ -33,7 +33,7 @@ struct DenseKernels {
                      double* scale_t);
 };
 
-/// The kernels of the widest SIMD level that this processor supports.
+/// Returns the kernels of the widest SIMD level that this processor supports.
 const DenseKernels& dense_kernels();
 
 }  // namespace manycontact::sparse

@@ -4,13 +4,13 @@
 
 namespace manycontact::sparse {
 
-/// The larger of two numbers, or NaN if one of them is NaN.
+/// Returns the larger of two numbers, or NaN if one of them is NaN.
 template <class S>
 S larger_or_nan(const S& a, const S& b) {
   return b <= a || a != a ? a : b;
 }
 
-/// The largest |x_k|; NaN if an entry is NaN, 0 if x is empty.
+/// Returns the largest |x_k|, NaN if an entry is NaN, or 0 if x is empty.
 inline double largest(std::span<const double> x) {
   double out = 0;
   for (const double entry : x) out = larger_or_nan(out, std::abs(entry));

@@ -1,11 +1,11 @@
 #pragma once
-// A = L D L^T by a compiled schedule, and solves. The value type V is a double, or a pack of doubles of several
-// matrices with the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a), and, rounded as for
-// doubles, multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b.
+// The factorization A = L D L^T and solves by a compiled schedule. The value type V is a double, or a pack of doubles,
+// one for each of several matrices with the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a),
+// multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b. These two must be rounded as for doubles.
 //
-// Each matrix of a pack undergoes the same operations in the same order as a single matrix: its factor agrees bit for
-// bit. For doubles, several rows of a column are computed at a time. This header is compiled for several SIMD levels,
-// so it has templates and plain memory only and includes no other library.
+// A matrix of a pack undergoes the same operations in the same order as a single matrix, so that both factors agree bit
+// for bit. For doubles, several rows of a column are computed at a time. This header is compiled for several SIMD
+// levels, so it has templates and plain memory only and includes no other library.
 
 #include <type_traits>
 
@@ -16,7 +16,8 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += sum over columns c of u[c stride] times the rows at x; x moves by step - c from column c to column c + 1.
+/// Adds to t the sum over columns c of u[c stride] times the N entries of column c at x. In the packed storage of a
+/// block, the entries of the same rows in column c + 1 are step - c further.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -25,7 +26,7 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// Returns the inverse 1 / d of a pivot d. The other arguments, row number and size of its terms, are not used.
+/// Returns the inverse 1 / d of a pivot d. The other arguments, the row number and the pivot's terms, are not used.
 struct Inverse {
   template <class V>
   V operator()(int, const V& d, const V&) const {
@@ -33,7 +34,8 @@ struct Inverse {
   }
 };
 
-/// Eliminates the columns of a block one after the other. first: number of the first column.
+/// Eliminates the columns of a block one after the other. first: number of the first column; width: number of columns;
+/// below: number of rows below the block.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
@@ -41,7 +43,7 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a;  // one past L_ac: a null L needs no offset of its own
+    const V* l = L + a;  // one past L_ac, since L - 1 would be undefined for a null L
     for (int c = 0; c < a; ++c) {
       u[c] = -(l[-1] * D[c]);
       d = multiply_add(l[-1], u[c], d);
@@ -61,11 +63,12 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   }
 }
 
-/// Updates N columns of another block T, which are rows a ... a+N-1 below this block (LdlSchedule::Run).
+/// Subtracts this block's contribution from N columns of a later block T (LdlSchedule::Run). The numbers of these
+/// columns are rows a ... a+N-1 below this block.
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
-  V u[LdlSchedule::kWidest * N];  // -L_ac D_c for rows a of this block, columns c
+  V u[LdlSchedule::kWidest * N];  // u[N c + i] = -L_ac D_c for row a + i below this block and its column c
   const int step = width + below - 2;
   const int row = run.row + a - run.begin;
   auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);
@@ -96,7 +99,7 @@ inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& 
   }
 }
 
-/// Forward sweep x <- L^-1 x of one block. own: entries of x in the block's own rows.
+/// Performs the forward sweep x <- L^-1 x for one block. own: entries of x in the block's own rows.
 template <class V>
 inline void forward(int width, int below, const V* L, const LdlSchedule::Run* run, const LdlSchedule::Run* end, V* own,
                     V* x) {
@@ -121,13 +124,14 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
     });
 }
 
-/// Backward sweep x <- L^-T D^-1 x of one block. For each column, rows below the block come first, four at a time.
+/// Performs the backward sweep x <- L^-T D^-1 x for one block. For each column, rows below the block come first, four
+/// at a time.
 template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
   const int step = width + below - 2;
   const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
-  for (int c = width - 1; c >= 0; --c) {  // column: row c + 1 of column c
+  for (int c = width - 1; c >= 0; --c) {  // `column` points to row c + 1 of column c
     const V* l = column + width - 1 - c;  // first row below the block
     const V zeros[4] = {};
     auto four = Tile<V, 4>::load(zeros);
@@ -155,11 +159,12 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 
 }  // namespace kernel
 
-/// Computes A = L D L^T, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the terms of pivot k. Lx is ordered as in
-/// LdlSymbolic; D and scale have n entries. A is the type of A's entries, possibly of higher precision. Elimination
-/// continues after a zero pivot, with L and D not finite; the caller must check D and scale. inverse_of(k, D_k,
-/// scale[k]) returns the inverse pivot of row k; if it returns zero, row k is not eliminated, and its column of L is
-/// zero. If inverse_of has stops(), the factorization ends after the first block for which stops() is true.
+/// Computes the factor L D L^T of the matrix with entries Ax, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude
+/// of the terms of pivot k. Lx is ordered as in LdlSymbolic; D and scale have n entries. The type A of the entries may
+/// be more precise than V. Elimination continues after a zero pivot, with L and D not finite; the caller must check D
+/// and scale. inverse_of(k, D_k, scale[k]) returns the inverse pivot of row k. If it returns zero, row k is not
+/// eliminated, and its column of L is zero. If inverse_of has a member stops(), the factorization ends after the first
+/// block for which stops() is true.
 template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
                           InverseOf inverse_of = {}) {
@@ -217,14 +222,14 @@ void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D
   }
 }
 
-/// x <- A^-1 x, by both sweeps.
+/// Overwrites x with A^-1 x, by both sweeps.
 template <class V>
 void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
   ldl_scheduled_forward(schedule, Lx, x);
   ldl_scheduled_backward(schedule, Lx, D, x);
 }
 
-/// Sets the flags of all rows that the forward sweep reaches from flagged rows.
+/// Sets the flags of all rows that become nonzero in the forward sweep if the flagged rows are nonzero.
 inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   for (int k = 0; k < schedule.blocks(); ++k) {
     char any = 0;
@@ -236,8 +241,9 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-/// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j| unless Scale is NoSizes. All have length A.n.
+/// The type of `scale` in ldl_scheduled_residual if sizes of terms are not computed.
 struct NoSizes {};
+/// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j| unless Scale is NoSizes. All have length A.n.
 template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},
                             Prefetch prefetch = {}) {

@@ -1,8 +1,8 @@
 #pragma once
-// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule; and row sums
-// that bound errors. Four rows are computed at a time, so that a row read from the cache is used four times. For the
-// value type V see ldl_kernels.hpp; a pack solves several panels at once. This header is compiled for several SIMD
-// levels, so it has templates and plain memory only and includes no other library.
+// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule, and row sums
+// from which error bounds follow. Four rows are computed at a time, so that a row read from the cache is used four
+// times. The value type V is that of ldl_kernels.hpp; with a pack, several panels are solved at once. This header is
+// compiled for several SIMD levels, so it has templates and plain memory only and includes no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 
@@ -10,12 +10,12 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// Columns and rows of a panel computed at a time: as many as fit in the processor's registers with their operands.
+/// The numbers of a panel's columns and rows that are computed at a time. They fit in registers with their operands.
 inline constexpr int kPanel = (kRegister == 8 ? 4 : 2) * kRegister, kPanelRows = LdlSchedule::kHigh;
 
-/// Subtracts L x from R rows r ... r+R-1 of a block, x the block's own rows begin ... end-1. at: index in Lx of row r
-/// in column `begin`; from column c to c + 1, the index of a row moves by step - c. Computes M of the panel's N
-/// columns.
+/// Subtracts from R rows t of a panel the product of these rows' entries of L with the block's own rows begin ...
+/// end-1, for M of the panel's N columns. own: row 0 of the block. at: index in Lx of the first of the R rows in column
+/// `begin`; in column c + 1 the index of a row is larger by step - c than in column c.
 template <int R, int N, int M, class V>
 [[gnu::always_inline]] inline void subtract_columns(Tile<V, M>* t, const V* Lx, int at, int step, int begin, int end,
                                                     const V* own) {
@@ -28,7 +28,7 @@ template <int R, int N, int M, class V>
   }
 }
 
-/// X <- L^-1 X for a block. from: the first row of the block that may be nonzero.
+/// Performs the forward sweep X <- L^-1 X for one block. from: the block's first row that may be nonzero.
 template <int N, int M, class V>
 inline void forward_panel(const LdlSchedule& schedule, int block, int from, const V* Lx, V* X) {
   const int first = schedule.block.data()[block], width = schedule.block.data()[block + 1] - first;
@@ -67,8 +67,9 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
     });
 }
 
-/// Computes the R rows of a group in X = L^T \ (D \ X), after all rows of larger index. l: the group's packed entries.
-/// reached: whether the rows may be nonzero before the division by D. Calls store(row, values of the row).
+/// Computes the R rows of a group in X <- L^-T D^-1 X, after all rows of larger index. l: the group's packed entries of
+/// L; inverse: inverse pivots. reached: whether the rows may be nonzero before the division by D. Calls store(row,
+/// tile).
 template <int R, int N, int M, class V, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
                                                  const V* l, const V* inverse, bool reached, V* X, Store&& store) {

@@ -19,7 +19,7 @@
 
 namespace manycontact::sparse {
 
-/// The schedule of a pattern: constant, and shared by all matrices with that pattern.
+/// The schedule of a pattern. It is constant, and all matrices with that pattern share it.
 struct LdlSchedule {
   /// Rows begin ... end-1 below a block: rows row, row + 1, ... of A, which are columns of block T with first column
   /// `first`. The positions in T of these and all later rows are targets[target] ... targets[target_end-1].
@@ -32,11 +32,11 @@ struct LdlSchedule {
   struct Target {
     int begin, end, shift;
   };
-  static constexpr int kWidest = 32;  // most columns of a block; larger blocks are divided
-  /// Rows row ... row+high-1 of x = L^T \ (D \ x), which a panel solve computes together. They depend on the rows in
-  /// segments[segment] ... segments[segment_end-1], all of larger index. The rows computed last come last there, so
-  /// that no operation waits for them. From packed[at] on are L's entries in the group's columns for each of these
-  /// rows, then for rows row+1 ... row+high-1; -1 where L has no entry.
+  static constexpr int kWidest = 32;  // largest number of columns of a block; larger blocks are divided
+  /// A group of rows row ... row+high-1 that a panel solve computes together in x <- L^-T D^-1 x. They depend on the
+  /// rows in segments[segment] ... segments[segment_end-1], which have larger indices. There, rows computed last come
+  /// last, so that no operation waits for their values. packed[at] and the following numbers are the slots of L's
+  /// entries in the group's columns, for each row of the segments, then for rows row+1 ... row+high-1 of the group.
   struct Group {
     int row, high;
     int segment, segment_end;
@@ -68,9 +68,9 @@ struct LdlSchedule {
   std::size_t bytes() const;
 };
 
-/// Compiles the schedule of A from its analysis. Patterns without nested columns are not compiled, if their targets
-/// would take more than four times the memory of L: SuiteSparse's numeric phase needs no such lists. columns: number of
-/// columns to eliminate; the rest of L and D is the Schur complement, with its diagonal in D.
+/// Compiles the schedule of A from its analysis. If few columns nest, so that the targets would take more than four
+/// times the memory of L, the result is not compiled: SuiteSparse's numeric phase needs no such lists. columns: number
+/// of columns to eliminate; the rest of L and D is the Schur complement, with its diagonal in D.
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns = std::numeric_limits<int>::max());
 
 }  // namespace manycontact::sparse

@@ -1,5 +1,5 @@
 #pragma once
-// Requests for more memory than the machine has are refused; the system would grant them and later kill the process.
+// Refuses requests for more memory than the machine has. The system would grant them and later kill the process.
 
 #include <cstddef>
 #include <memory>
@@ -15,7 +15,8 @@ struct TooLarge : std::bad_alloc {
   char text_[120];
 };
 
-/// Doubles aligned to a cache line, in large pages if the system has them. Growing discards the stored values.
+/// Memory for doubles, aligned to a cache line; long arrays are in large pages if the system has them. Growing discards
+/// the stored values.
 class LargeMemory {
  public:
   /// Ensures memory for `count` doubles; allocates only if there is memory for fewer.

@@ -9,28 +9,30 @@
 
 namespace manycontact::sparse {
 
-/// Rounds n up to a multiple of eight: the length of a panel's rows.
+/// Returns n rounded up to a multiple of eight, which is the length of the rows of a panel with n columns.
 constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8); }
 
 struct PanelKernels {
   const char* name;
   int columns;  // columns of a panel that are computed at a time
-  /// The functions ldl_scheduled_factor and ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual
-  /// (upper_csc.hpp). A row whose pivot is at most least[k] scale[k] is not eliminated, as in ldl_factor_by_rows
-  /// (ldl.hpp); least may be nullptr. The factorization ends soon after `most` such rows.
+  /// Computes ldl_scheduled_factor (ldl_kernels.hpp) for doubles. A row whose pivot is at most least[k] scale[k] is not
+  /// eliminated, as in ldl_factor_by_rows (ldl.hpp); least may be nullptr. The factorization ends with the block in
+  /// which the number of such rows exceeds `most`.
   void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
                  double* scale);
+  /// Compute ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual (upper_csc.hpp).
   void (*solve_vector)(const LdlSchedule& schedule, const double* Lx, const double* D, double* x);
   void (*residual_vector)(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r,
                           double* scale);
   /// X <- A^-1 X, arguments as in ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
-  /// Replaces B, given in X, by A^-1 B with one refinement, X + A^-1 (B - A X); other arguments as in `solve`.
+  /// Overwrites right-hand sides B, given in X, with A^-1 B, refined once by X + A^-1 (B - A X). The other arguments
+  /// are those of `solve`.
   void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
                         const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
                         double* work);
-  /// B -= A X in columns 0 ... cols-1 of panels; rows as in `solve`.
+  /// B -= A X in columns 0 ... cols-1 of panels with row stride ld; row k of A is row row[k] of X and B.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
   /// Computes the upper triangle of H = L^T R, in blocks of eight rows from the diagonal on. L, R: depth x ld; H: ld x
   /// ld. cols: used columns of L, R and H, with ld >= cols a multiple of eight.
@@ -53,7 +55,7 @@ struct PanelKernels {
   }
 };
 
-/// The kernels of the widest SIMD level that this processor supports.
+/// Returns the kernels of the widest SIMD level that this processor supports.
 const PanelKernels& panel_kernels();
 /// Returns the kernels of all SIMD levels of this build that the processor supports, the widest first.
 std::span<const PanelKernels* const> panel_levels();

@@ -14,10 +14,9 @@ struct Refinement {
 /// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
 /// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
 ///
-/// residual(): r <- b - A x; returns the relative size of r as a double. NaN ends the refinement. Sizes in wider
-/// scalars may be cast to double, which can represent 1e-308.
-/// correct():  x += A^-1 r.
-/// The function residual is called steps + 1 times, the last time after the last correction.
+/// residual() must compute r = b - A x and return the relative size of r, which is also a double if x is of a wider
+/// scalar. NaN ends the refinement. It is called steps + 1 times, the last time after the last correction.
+/// correct() must compute x += A^-1 r.
 template <class Residual, class Correct>
 Refinement refine(int max_steps, double small, Residual&& residual, Correct&& correct) {
   Refinement out;
@@ -32,8 +31,9 @@ Refinement refine(int max_steps, double small, Residual&& residual, Correct&& co
   return out;
 }
 
-/// Componentwise backward error max |r_k| / scale_k of r = b - A x, scale = |b| + |A| |x|; scale_k counts at least as
-/// eps times the largest scale. NaN if r or scale is not finite. largest: the largest scale of the system's other rows.
+/// Returns the componentwise backward error max |r_k| / scale_k of r = b - A x, with scale = |b| + |A| |x|. Each
+/// scale_k is first raised to eps times the largest scale. `largest` is the largest scale of rows of A x = b that r
+/// does not contain. Returns NaN if r has a NaN or if scale is not finite, infinity if r is infinite.
 double componentwise_backward_error(std::span<const double> r, std::span<const double> scale, double largest = 0);
 
 }  // namespace manycontact::sparse

@@ -6,13 +6,14 @@
 
 namespace manycontact::sparse {
 
-/// Flags the columns that take the pattern of the next column. parent: elimination tree; counts: numbers of
-/// off-diagonal entries of the columns. Blocks are extended from the root on as long as they have few zeros.
+/// Returns one flag per column: whether relaxation gives it the pattern of the next column. parent: elimination tree;
+/// counts: numbers of off-diagonal entries of the columns. From the last column backwards, each block is extended as
+/// long as it has few zeros.
 std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts);
 
 void relax_supernodes(LdlSymbolic& L);
-/// Relaxes L such that its leading columns have the entries of `leading`. This is the analysis, already relaxed, of the
-/// leading rows and columns of the same matrix.
+/// Relaxes L such that its leading columns have the entries of `leading`, which is the relaxed analysis of the leading
+/// rows and columns of the same matrix.
 void relax_supernodes(const LdlSymbolic& leading, LdlSymbolic& L);
 
 }  // namespace manycontact::sparse

@@ -1,6 +1,7 @@
 #pragma once
-// Tiles: N doubles in SIMD registers, or N packs of robots, with the operations that the kernels need. This header is
-// compiled for several SIMD levels, so it has templates and plain memory only and includes no other library.
+// Tiles of N values, which are doubles in SIMD registers or packs with one double per robot of a SIMD batch, and the
+// operations that the kernels need. This header is compiled for several SIMD levels, so it has templates and plain
+// memory only and includes no other library.
 
 #include <cstddef>
 #ifdef __SSE2__
@@ -9,7 +10,7 @@
 
 namespace manycontact::sparse {
 
-/// a b + c, fused if the processor supports it.
+/// Returns a b + c, fused if the processor supports it.
 inline double multiply_add(double a, double b, double c) {
 #ifdef __FMA__
   return __builtin_fma(a, b, c);
@@ -90,7 +91,7 @@ struct Register<8> {
 /// A tile of N doubles in SIMD registers.
 template <int N>
 requires(N > 1) struct Tile<double, N> {
-  // Tiles of at most 8 are soon loaded again, shifted by a row: an 8-wide load would wait for two stores.
+  // Tiles of at most 8 doubles are soon loaded again, shifted by one row. An 8-wide load would wait for two stores.
   static constexpr int kWidest = N <= 8 && kRegister == 8 ? 4 : kRegister;
   static constexpr int kWidth = N < kWidest ? N : kWidest, kVectors = N / kWidth;
   using Vector = typename Register<kWidth>::Vector;
@@ -120,7 +121,7 @@ requires(N > 1) struct Tile<double, N> {
   static Vector every(double s) {
     if constexpr (kWidth == 2) return Vector{s, s};
     if constexpr (kWidth == 4) return Vector{s, s, s, s};
-    if constexpr (kWidth == 8) return Vector{s, s, s, s, s, s, s, s};  // a loop would not become one instruction
+    if constexpr (kWidth == 8) return Vector{s, s, s, s, s, s, s, s};  // compiled to one instruction, unlike a loop
   }
 
   static Tile load(const double* x) {
@@ -136,7 +137,8 @@ requires(N > 1) struct Tile<double, N> {
   void store(double* x) const {
     for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
   }
-  /// Stores the tile past the caches, at an address aligned to a register. Other threads see it after finish_streams.
+  /// Stores the tile directly to memory, without the caches. x must be aligned to a register. Other threads see the
+  /// values after finish_streams.
   void stream(double* x) const {
 #ifdef __SSE2__
     for (int k = 0; k < kVectors; ++k) {
@@ -176,8 +178,8 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over one matrix, the same entries of the next matrix: it has the same pattern, is `bytes`
-/// further in memory, and has left the nearest cache. NoPrefetch, the default, prefetches nothing.
+/// Prefetches, during a sweep over one matrix, the same entries of the next matrix, which has the same pattern, is
+/// `bytes` further in memory, and is no longer in the nearest cache. NoPrefetch, the default, prefetches nothing.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>
@@ -202,11 +204,12 @@ inline constexpr int kRows = 4;
 template <>
 inline constexpr int kRows<double> = 8;
 
-/// Calls f(first, Size<n>) for chunks of rows begin ... end-1, with chunk sizes n = N, N/2, ..., 1.
+/// A number as a type.
 template <int N>
 struct Size {
   static constexpr int value = N;
 };
+/// Calls f(first, Size<n>) for chunks of rows begin ... end-1, with chunk sizes n = N, N/2, ..., 1.
 template <int N, class F>
 inline void in_chunks(int begin, int end, F&& f) {
   for (; end - begin >= N; begin += N) f(begin, Size<N>{});

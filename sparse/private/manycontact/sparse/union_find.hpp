@@ -5,7 +5,7 @@
 
 namespace manycontact::sparse {
 
-/// Disjoint sets of the numbers 0 ... n-1, in the caller's memory. The root of a set is its smallest member.
+/// Disjoint sets of the numbers 0 ... n-1, stored in the caller's memory. The root of a set is its smallest member.
 class UnionFind {
  public:
   explicit UnionFind(std::span<int> memory) : parent_(memory.data()) { std::iota(memory.begin(), memory.end(), 0); }

@@ -5,30 +5,32 @@
 
 namespace manycontact::sparse {
 
-/// Pattern of the upper triangle, diagonal included: column j has rows i[p[j]] ... i[p[j+1]-1], ascending, each <= j.
+/// The pattern of the upper triangle and diagonal. Column j has rows i[p[j]] ... i[p[j+1]-1], ascending, each <= j.
 struct UpperCsc {
   int n = 0;
   std::vector<int> p{0};
   std::vector<int> i;
 
   int nonzeros() const { return static_cast<int>(i.size()); }
-  /// Position in i of entry (row, col), row <= col; -1: not in the pattern. A binary search, for set-up only.
+  /// Returns the position in `i` of entry (row, col), row <= col, or -1 if the pattern lacks the entry. A binary
+  /// search, for set-up only.
   int slot(int row, int col) const;
 };
 
-/// Builds the pattern from entries (row, col) in any order and triangle, repetitions allowed; adds the diagonal.
+/// Returns the pattern with the diagonal and the given entries (row, col), which may be in any order and triangle, and
+/// may be repeated.
 UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries);
 
-/// The pattern of P A P^T: entry (i, j) moves to (iperm[i], iperm[j]).
+/// Returns the pattern of P A P^T, in which entry (i, j) of A moves to (iperm[i], iperm[j]).
 UpperCsc permute(const UpperCsc& A, const std::vector<int>& iperm);
 
-/// r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j|. x, b, r and scale have length n.
+/// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j|. x, b, r and scale have length n.
 void residual(const UpperCsc& A, const double* Ax, const double* x, const double* b, double* r, double* scale);
 
 /// B <- B - A X for row-major panels of `cols` columns with row stride ld; row k of A is row row[k] of X and B.
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
 
-/// |A|_1, the largest column sum of magnitudes of the whole symmetric matrix. work: n numbers of scratch.
+/// Returns |A|_1, the largest column sum of magnitudes of the whole symmetric matrix. work: n numbers of scratch.
 double norm_1(const UpperCsc& A, const double* Ax, double* work);
 
 }  // namespace manycontact::sparse

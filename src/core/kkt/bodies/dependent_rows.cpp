@@ -22,7 +22,7 @@ void add(V6 S, Basis& basis) {
   if (basis.rank < 6 && S.norm() > tolerance::kRank * length) basis.Q.col(basis.rank++) = S.normalized();
 }
 
-// Computes, for each body, an orthonormal basis of its motions by the joints above it, about the body's origin.
+// Computes, for each body, an orthonormal basis of the motions about its origin that the joints above it allow.
 void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   const BodyPattern& p = *s.pattern;
   bases.resize(p.nodes);
@@ -35,19 +35,21 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// Returns the part of a force F on a body that drives joints (whose motions have the basis), relative to |F|.
+// Returns the norm of the projection of a force F on a body onto the basis of the body's motions, relative to |F|. It
+// is zero if F drives no joint.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
   for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
   return std::sqrt(sum) / F.norm();
 }
 
-// Calls use(row) for each row that moves no coordinate by more than rounding errors; ends if use returns false.
+// Calls use(row) for each row whose entries in J are rounding errors; ends if use returns false. s.delta > 0: no calls.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // whether `bases` are computed
-  // Goes from a body to the base until an entry of J is certainly nonzero. After kManyJoints joints a basis decides.
+  // Whether force G on a node drives any coordinate. Visits the joints from the node to the base until an entry of J is
+  // certainly nonzero. After kManyJoints joints, compares the force with the basis of the body's motions.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
     V6 sizes = G.cwiseAbs();
@@ -71,12 +73,12 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
     if (!moves(p.A[k], s.GA.col(k)) && !moves(p.B[k], s.GB.col(k)) && !use(k)) return;
 }
 
-// Whether one end of a row is immovable: in the world or on a fixed base.
+// Whether one end of a row is immovable, i.e. in the world or on a fixed base.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
-// Finds coefficients of rows whose forces balance each other: they cause no torque at the joints between their bodies,
-// and no force beyond the last body. Rows are few but joints may be many, so equations are reduced to triangular form
-// whenever the memory for them is full.
+// Computes coefficients of rows with which their forces balance each other: the forces cause no torque at the joints
+// between the rows' bodies, and add up to zero at the last body. Rows are few but joints may be many, so that equations
+// are reduced to triangular form whenever the memory for them is full.
 class Balance {
  public:
   Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
@@ -84,14 +86,14 @@ class Balance {
   }
 
   int node() const { return node_; }
-  /// Adds a row with an end on the node; returns false if there are too many rows.
+  /// Adds a row with an end on the current node. Returns false if there are too many rows.
   bool add(int row) {
     if (count_ == kRows) return false;
     row_[count_] = row;
     F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
     return true;
   }
-  /// Adds the balance equations of the node's joint, and moves on to the node's parent.
+  /// Adds the balance equations of the current node's joint. The node's parent then becomes the current node.
   void pass() {
     const BodyPattern& p = *s_.pattern;
     for (int k = p.first_dof[node_]; k < p.first_dof[node_] + p.ndof[node_]; ++k)
@@ -99,7 +101,8 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Solves the equations and calls put(row, coefficient), 1 for the first row. False: the rows do not balance.
+  /// Solves the equations and calls put(row, coefficient) for each row, with coefficient 1 for the first row. Returns
+  /// false if the rows' forces cannot balance.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -128,7 +131,7 @@ class Balance {
       A_.leftCols(count_) = qr.matrixQR().template triangularView<Eigen::Upper>();
       equations_ = count_;
     }
-    A_.row(equations_).setZero();  // rows that are added later have no entry here
+    A_.row(equations_).setZero();  // contact rows that are added later have no entry in this equation
     for (int k = 0; k < count_; ++k) {
       A_(equations_, k) = of(F_[k]);
       largest_ = std::max(largest_, std::abs(A_(equations_, k)));
@@ -139,13 +142,14 @@ class Balance {
   const BodySystem& s_;
   int node_, count_ = 0, equations_ = 0;
   int row_[kRows];
-  V6 F_[kRows];  // wrenches of the rows on the body of node_
+  V6 F_[kRows];  // wrenches of the rows about the origin of node_'s body
   Eigen::Matrix<double, kEquations, kRows> A_ = Eigen::Matrix<double, kEquations, kRows>::Zero();
   double largest_ = 0;
 };
 
-// Computes the null-space column of a dropped row from immovable rows on the bodies between the row's own node and
-// drop.node that were not dropped before. No coordinate between the two nodes moves.
+// Computes the null-space column of a dropped row from other rows on the bodies between the row's own node and
+// drop.node. It uses rows with an immovable end that were not dropped at drop.node or earlier. Returns false if these
+// rows do not balance the dropped row.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -163,8 +167,8 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// Computes N from the last dropped row to the first. A column may use a row that was dropped later; the column of that
-// row then replaces it.
+// Computes the null space, one column per dropped row, from the last dropped row to the first. If a column has an entry
+// in a row that was dropped later, a multiple of that row's column removes the entry.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
   rank::DependentRows& rows = work.rows;
@@ -196,7 +200,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
       return false;
     column[drop.row] = static_cast<int>(rows.dropped.size());
     rows.dropped.push_back(drop.row);
-    for (int row : entries) {  // the dropped row's own entry comes first
+    for (int row : entries) {  // the dropped row's own entry is the first
       if (std::abs(x[row]) > tolerance::kNullEntry) rows.Ni.push_back(row), rows.Nx.push_back(x[row]);
       x[row] = 0;
     }
@@ -207,8 +211,8 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Subtracts from x.rows the motion of the rows by the accelerations b.motion of bodies, all joints at rest. x.motion
-// receives the bodies' accelerations.
+// Subtracts from x.rows the accelerations of the rows that b.motion causes if all qdd are zero. Sets x.motion to the
+// accelerations of the bodies.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -231,7 +235,8 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Finds the redundant rows among those between node i and immovable bodies, in `rows`. The largest rows are kept.
+// Lists in `rows` the redundant rows among those between node i and immovable bodies: rows spanned by the others, which
+// are selected by the largest remainder first.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -285,7 +290,7 @@ Reason factorize_dependent(const BodySystem& system, BodyLdl& d, BodyDependence&
   if (const Reason reason = factorize_bodies(system, d, nullptr, true); reason != Reason::kNone) return reason;
   const int kept = system.pattern->nc - static_cast<int>(d.found.size());
   if (d.found.empty() || kept > system.pattern->nv || !find_null_space(system, d, work)) return Reason::kSmallPivot;
-  return factorize_bodies(system, d);  // fewer rows constrain bodies now, so their projections change
+  return factorize_bodies(system, d);  // bodies have fewer rows now, which changes their projections (BodyHold)
 }
 
 sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps,
@@ -298,7 +303,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The bodies' forces have changed, and so have their rounding errors.
+  // The backward error is computed again, as the bodies' forces were computed again, with other rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },
@@ -313,7 +318,8 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
-  // size = |J| |a| by recursion, |X| |parent's size| + |S| |a|: joints that cancel do not reduce it
+  // size[i] bounds the terms of the body's acceleration: |X| times the parent's size plus |S| |qdd|. Terms of different
+  // joints that cancel do not reduce it.
   auto& size = v.dx.motion;
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();

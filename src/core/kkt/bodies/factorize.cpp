@@ -63,7 +63,8 @@ Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
           d.E.data() + d.square_first[i]};
 }
 
-// Q += X^T P X, the inertia P shifted by r. X = [1, -[r]x; 0, 1], P = [A, B; B^T, C] is symmetric, and X^T P X is
+// Adds to Q the inertia P shifted by r, X^T P X with X = [1, -[r]x; 0, 1]. P = [A, B; B^T, C] is symmetric, and
+// X^T P X is
 //   [A, B'; B'^T, C - B^T [r]x + [r]x B'],   B' = B - A [r]x
 void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   const double x = r[0], y = r[1], z = r[2];
@@ -87,7 +88,7 @@ void set(const Inertia<double>& Y, M6& Q) {
   column(5, Two{-y, x}, Two{0, Y.I(0, 2)}, Two{Y.I(1, 2), Y.I(2, 2)});
 }
 
-// Appends row k to the rows at a node, with zero entries; returns its position.
+// Appends row k to the rows at a node, with zero entries, and returns its position there.
 int open_row(Rows& at, int k, std::vector<int>& place) {
   const int n = at.m++;
   at.row[n] = k;
@@ -96,7 +97,7 @@ int open_row(Rows& at, int k, std::vector<int>& place) {
   return place[k] = n;
 }
 
-// Collects the rows at node i: rows that end there, and rows that its children did not eliminate.
+// Collects the rows that are open at node i: rows with an end there, and rows that its children did not eliminate.
 void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   const BodyPattern& s = *system.pattern;
   d.count[i] = 0;
@@ -129,7 +130,8 @@ void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   d.count[i] = at.m;
 }
 
-// Computes U, D^-1, P' = P - U D^-1 U^T, H = G - W D^-1 U^T, E += W D^-1 W^T. False: D is not positive. size: of P.
+// Eliminates the joint of node i (symbols: kkt/bodies/ldl.hpp). Computes U, D^-1, P = d.P[i] - U D^-1 U^T, H = G - W
+// D^-1 U^T, E += W D^-1 W^T. Returns false if D is not positive. size: the magnitudes of the terms of d.P[i].
 template <int N>
 bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size, Rows& at, M6& P) {
   using Square = Eigen::Matrix<double, N, N>;
@@ -156,7 +158,7 @@ bool eliminate_joint(const BodySystem& system, BodyLdl& d, int i, const V6& size
   }
   const Eigen::Matrix<double, 6, N> UD = U * Dinv;
   P.noalias() = d.P[i] - UD * U.transpose();
-  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // otherwise asymmetry would grow along thousands of links
+  P.triangularView<Eigen::StrictlyLower>() = P.transpose();  // or asymmetry would grow along thousands of links
   if (at.m == 0) return true;
   Eigen::Map<Eigen::Matrix<double, N, Eigen::Dynamic>> W(at.W, N, at.m);
   for (int k = 0; k < at.m; ++k) {
@@ -185,7 +187,8 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// Returns the compliance of a free body along the row G, approximated by the diagonal of P. inverse: its reciprocals.
+// Returns the compliance of a free body along the row G, approximated with the diagonal of P in place of P. inverse:
+// the reciprocals of this diagonal.
 double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
@@ -196,11 +199,12 @@ double compliance(const V6& G, const V6& inverse) {
   return sum[0] + sum[1];
 }
 
-// Returns the least sound part of a row's pivot, relative to all terms that joints contributed. Rows eliminated before
-// have stiffened bodies by up to `growth`, and rounding errors grow with its square. Errors of the joints' terms grow
-// with the spread of the joints' inertias. A small earlier pivot enlarges errors of later rows by its inverse
-// (kkt/factor/pivots.hpp). `least`: smallest part left of earlier pivots at this node, also below it if rows were
-// dropped there. Pivots of loops along a chain become ever smaller, yet are accurate.
+// Returns the least sound pivot of a row, relative to the terms that joints contributed to it. Rows eliminated before
+// have stiffened bodies by up to d.growth, and rounding errors grow with its square. Errors of the joints' terms grow
+// with the ratio of the joints' largest to smallest inertia. A small earlier pivot enlarges errors of later rows by its
+// inverse (rank/pivots.hpp). least: the smallest earlier pivot, relative to its terms, at this node and, if rows were
+// dropped in its subtree, in the subtree. Other pivots in the subtree do not count: in loops along a chain they become
+// ever smaller, yet are accurate.
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
@@ -210,7 +214,9 @@ double least_left(const BodyLdl& d, int row, double least) {
 
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
-// Eliminates those complete rows, from position 0 on, whose pivots are sufficient; the largest pivot first.
+// Eliminates those complete rows at node i whose pivots are large enough, the largest pivot first, and moves them to
+// the first positions. A row is complete if both its bodies are in the node's subtree. Returns false if no remaining
+// row has a sound pivot, and the rows cannot wait.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
@@ -227,7 +233,8 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
       if (ratio > most) most = ratio, best = k;
     }
     if (best < 0) break;
-    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;  // wait for joints up the chain
+    // A row waits if joints nearer the base may give it a larger pivot.
+    const bool waits = most < tolerance::kRowMoves && complete <= tolerance::kMostOpen;
     if (waits && (most > 0 || s.parent[i] >= 0)) break;
     if (!(most > 0)) return false;
     d.growth = std::max(d.growth, 1 / most);
@@ -250,7 +257,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   return true;
 }
 
-// Factorizes the dense system E y = -g of the rows that are still open at the bases.
+// Factorizes the dense system E y = -g of the rows still open at the bases. Returns false if a pivot is not sound.
 bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
@@ -292,8 +299,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether row k from a child is a combination of the rows that constrain body i, whose span is Q: the row lies in the
-// span, and no joint below moved its body.
+// Whether open row k at node i is a combination of the rows that constrain body i: the row is in their span, which has
+// the orthonormal basis `along`, and the joints below gave the row no sound pivot.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
@@ -303,7 +310,8 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
 
-// Projects C and G_j to N C N and N G_j at node i (BodyHold); drop: drops rows that depend on its own rows.
+// Replaces C by N C N and G_j by N G_j at node i, if it has rows that constrain it (BodyHold). drop: whether rows are
+// dropped that depend on those rows.
 void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;
@@ -378,7 +386,7 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     project(system, d, i, drop, at);
     d.eliminated[i] = 0;
     const V6 inverse = d.P[i].diagonal().cwiseInverse();
-    for (int k = 0; k < at.m; ++k)  // adds the pivot that a row on this body would have if the body were free
+    for (int k = 0; k < at.m; ++k)  // the terms of a row's pivot include its pivot on the body if the body were free
       if (s.A[at.row[k]] == i || s.B[at.row[k]] == i) d.pivot_sum[at.row[k]] += compliance(at.G[k], inverse);
     M6 P;
     const bool positive = s.ndof[i] == 1   ? eliminate_joint<1>(system, d, i, size, at, P)
@@ -389,7 +397,8 @@ Reason factorize_bodies(const BodySystem& system, BodyLdl& d, const BodyVectors*
     if (b) backward_step(system, d, *b, i);
     const int parent = s.parent[i];
     if (parent < 0) continue;
-    if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);  // the last child is eliminated first
+    // The last child is eliminated first, and initialises the parent's P.
+    if (s.end[i] == s.end[parent]) set(system.Y[parent], d.P[parent]);
     add_shifted(P, system.r[i], d.P[parent]);
   }
   return eliminate_base(s, d) ? Reason::kNone : Reason::kSmallPivot;

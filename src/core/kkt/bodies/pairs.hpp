@@ -1,6 +1,7 @@
 #pragma once
-// The functions motion_at, force_from (algorithm/body_kinematics.hpp) and Inertia's product for doubles, bitwise equal.
-// They write pairs of entries: Eigen reads six-vectors in pairs, and a read of a pair stalls after separate writes.
+// The functions motion_at and force_from (algorithm/body_kinematics.hpp) and the product of an inertia and a motion,
+// for doubles, with the same results bit by bit. They write six-vectors in pairs of entries. Eigen reads them in pairs,
+// and reading a pair stalls after its entries were written separately.
 
 #include <cstring>
 
@@ -34,7 +35,7 @@ inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
 
 inline Two max(Two x, Two y) { return x < y ? y : x; }
 
-/// The largest magnitudes of the linear entries and of the angular entries.
+/// Returns the largest magnitude of the linear entries, and that of the angular entries.
 [[gnu::always_inline]] inline Two sizes(const Vec6<double>& x) {
   const Two a = load(x.data()), b = load(x.data() + 2), c = load(x.data() + 4);
   const Two first{a[0], b[1]}, second{a[1], c[0]}, third{b[0], c[1]};
@@ -42,14 +43,14 @@ inline Two max(Two x, Two y) { return x < y ? y : x; }
   return max(absolute(first), max(absolute(second), absolute(third)));
 }
 
-/// The motion [v; w] at a point displaced by r: [v + w x r; w].
+/// Returns the motion m = [v; w] of a body at a point displaced by r: [v + w x r; w].
 [[gnu::always_inline]] inline Vec6<double> motion_at(const Vec6<double>& m, const Vec3<double>& r) {
   const double x = r[0], y = r[1], z = r[2], w0 = m[3], w1 = m[4], w2 = m[5];
   return joined(load(m.data()) + (Two{w1, w2} * Two{z, x} - Two{w2, w0} * Two{y, z}), Two{m[2] + (w0 * y - w1 * x), w0},
                 Two{w1, w2});
 }
 
-/// The force [f; n] that acts at r, at the origin: [f; n + r x f]. f: six doubles.
+/// Returns the force [f; n] that acts at the point r, as a force at the origin: [f; n + r x f]. f: all six numbers.
 [[gnu::always_inline]] inline Vec6<double> force_from(const double* f, const Vec3<double>& r) {
   const double x = r[0], y = r[1], z = r[2], f0 = f[0], f1 = f[1], f2 = f[2];
   return joined(load(f), Two{f2, f[3] + (y * f2 - z * f1)},
@@ -59,7 +60,7 @@ inline Two max(Two x, Two y) { return x < y ? y : x; }
   return force_from(f.data(), r);
 }
 
-/// The product Y a of an inertia and a motion.
+/// Returns the product Y a of an inertia and a motion.
 [[gnu::always_inline]] inline Vec6<double> times(const Inertia<double>& Y, const Vec6<double>& a) {
   const double v0 = a[0], v1 = a[1], v2 = a[2], w0 = a[3], w1 = a[4], w2 = a[5];
   const double h0 = Y.h[0], h1 = Y.h[1], h2 = Y.h[2], *I = Y.I.data();

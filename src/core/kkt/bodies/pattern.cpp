@@ -65,9 +65,9 @@ void find_holds(BodyPattern& p) {
 
 // Numbers of rows, counted at the nodes where the rows end.
 struct Ends {
-  std::vector<int> arriving;  // a number per node: ends of rows that are not complete there
-  std::vector<int> alone;     // a number per node: rows with one end, at that node
-  std::vector<int> meeting;   // a number per node: rows with two ends, complete there and not below
+  std::vector<int> arriving;  // one number per node: ends at the node of rows that are not complete there
+  std::vector<int> alone;     // one number per node: rows whose only end on a node is there
+  std::vector<int> meeting;   // one number per node: rows whose two ends meet there (BodyPattern::meeting)
 };
 Ends find_ends(const BodyPattern& p) {
   Ends ends{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nodes)};
@@ -84,9 +84,10 @@ Ends find_ends(const BodyPattern& p) {
 
 // Estimates how many rows are open at each node (open_squared, open_updates, open_at_base).
 void count_open(BodyPattern& p, Ends ends) {
-  std::vector<double> left(p.nodes, 0);  // a number per node: complete rows from its children
+  std::vector<double> left(p.nodes, 0);  // one number per node: complete rows that its children did not eliminate
   for (int i = p.nodes - 1; i >= 0; --i) {
-    const double complete = left[i] + ends.alone[i];  // rows that meet here go at once: joints below move them
+    // Rows whose ends meet here are not counted, as they are eliminated at once: joints below move them.
+    const double complete = left[i] + ends.alone[i];
     const double open = complete + ends.arriving[i] + ends.meeting[i];
     const double kept =
         std::clamp(complete - costs::kBodyEliminated * p.ndof[i], 0.0, static_cast<double>(tolerance::kMostOpen));
@@ -105,7 +106,7 @@ void make_room(BodyPattern& p, Ends ends) {
   std::vector<int> complete(p.nodes);
   int at_base = 0;
   for (int i = 0; i < p.nodes; ++i) complete[i] = ends.alone[i] + ends.meeting[i];
-  // a row that is complete at a node is also counted by its ends; this only costs memory
+  // A row that is complete at a node is also counted for its ends, which only costs memory.
   p.most.resize(p.nodes);
   for (int i = p.nodes - 1; i >= 0; --i) {
     int own = 0;

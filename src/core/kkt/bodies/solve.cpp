@@ -7,7 +7,8 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Computes p and g_j of node i from its children, for the acceleration that its constraint rows prescribe (BodyHold).
+// Adds to p and to the g_j of open rows at node i the effect of a_g, the acceleration that the node's constraint rows
+// prescribe, and projects p (BodyHold).
 void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -36,7 +37,8 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// One step from the leaves to the root: computes the right-hand sides p and g that a node passes to its parent.
+// Performs one step of the sweep from the leaves to the root: eliminates the joint and rows of node i from the
+// right-hand sides. Returns the p that the node passes to its parent, and updates g of its open rows.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -65,7 +67,8 @@ V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   return p;
 }
 
-// One step from root to leaves: y of rows eliminated at node i, its qdd, a, f. a: parent's, about node i's origin.
+// Performs one step of the sweep from the root to the leaves: computes y of the rows eliminated at node i, and its qdd,
+// acceleration and joint force. a: the parent's acceleration, about node i's origin.
 template <int N>
 void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, const V6& a, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
@@ -91,7 +94,7 @@ void forward(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < m; ++k) f += d.G[at + k] * x.rows[d.row[at + k]];
 }
 
-// Computes y of the rows that constrain node i, from the equation of node i's forces.
+// Computes y of the rows that constrain node i (BodyHold), from the force equation of its body.
 void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, int i, BodyVectors& x) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -109,7 +112,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
-// Computes y of the rows that are open at the bases, by the dense factor.
+// Computes y of the rows that are open at the bases, by their dense factor, and sets y of dropped rows to zero.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());
@@ -123,8 +126,8 @@ void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   }
 }
 
-// Computes x, after the backward sweep. Calls dropped(i) once a, f, qdd of node i are known, and closed(i) once f of
-// its children and y of its rows are known, too.
+// Computes the solution x, after the backward sweep. Calls dropped(i) when a, f and qdd of node i are known, and
+// closed(i) when f of its children and y of its rows are known, too.
 template <class Dropped, class Closed>
 void forward_steps(const BodySystem& system, BodyLdl& d, const BodyVectors& b, BodyVectors& x, Dropped&& dropped,
                    Closed&& closed) {

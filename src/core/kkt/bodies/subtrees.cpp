@@ -11,7 +11,8 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Flags bodies that six rows constrain, unless another row couples the subtree below with a body outside.
+// Flags bodies at which trees can be cut: six rows constrain the body, and no other row couples the subtree below it
+// with a body outside.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
@@ -25,12 +26,12 @@ std::vector<char> find_cuts(const BodyPattern& p) {
   return cut;
 }
 
-// For each node and row of an island: its subtree, and its number within that subtree.
+// For each node of an island, its subtree and its number there; for each row, its number in its subtree.
 struct NodeNumbers {
   std::vector<int> subtree, node, row;
 };
 
-// Numbers the nodes within their subtrees, and lists the cuts between subtrees.
+// Assigns the nodes to subtrees, numbers them there, and lists the cuts between subtrees.
 NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, BodySubtrees& out) {
   NodeNumbers at{std::vector<int>(p.nodes), std::vector<int>(p.nodes), std::vector<int>(p.nc)};
   std::vector<int> below(p.nodes);
@@ -75,7 +76,7 @@ void number_contacts(const Island& island, const BodyPattern& p, NodeNumbers& at
   }
 }
 
-// Returns the pattern of a subtree, up to complete_analysis.
+// Returns the pattern of a subtree, without the members that complete_analysis computes.
 BodyPattern pattern_of(const BodyPattern& p, const Island& island, const NodeNumbers& at, const BodySubtree& subtree) {
   BodyPattern out;
   const int own = subtree.node.empty() ? -1 : at.subtree[subtree.node[0]];

@@ -45,7 +45,8 @@ using pairs::Two, pairs::max, pairs::sizes;
 
 double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
-// Computes the terms and the residual of a body's motion equation, a_i = X a_p + S_i qdd_i + c_i.
+// Computes the residual r of a body's motion equation a_i = X a_p + S_i qdd_i + c_i (kkt/bodies/system.hpp), and the
+// largest terms, linear and angular, as `scale`.
 template <int N>
 [[gnu::always_inline]] inline void motion_equation(const BodySystem& s, const BodyVectors& b, const BodyVectors& x,
                                                    int i, V6& r, Two& scale) {
@@ -75,7 +76,8 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
            : motion_equation<6>(s, b, x, i, r, scale);
 }
 
-// Adds the forces of rows and of children on node i to its residual r and its terms `scale`.
+// Adds the forces of contact rows and of children on node i to the residual r of its force equation, and to the largest
+// terms `scale`. more: if given, is added to x.rows.
 [[gnu::always_inline]] inline void outer_forces(const BodySystem& s, const BodyVectors& x, int i, const double* more,
                                                 V6& r, Two& scale) {
   const BodyPattern& p = *s.pattern;
@@ -94,7 +96,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   }
 }
 
-// Ignores NaN; the sum of all residuals (sum_) becomes NaN instead.
+// Raises `largest` to x if x is larger. Here NaN has no effect, but it makes the sum of all residuals (sum_) NaN.
 void take_largest(double& largest, double x) {
   if (x > largest) largest = x;
 }
@@ -154,7 +156,7 @@ void BodyJudge::node(int i, const double* more) {
 
 void BodyJudge::rows() {
   const BodyPattern& p = *s_.pattern;
-  int last[2] = {-1, -1};  // nodes whose terms `terms` has, of A and B
+  int last[2] = {-1, -1};  // nodes for which terms[0], at A, and terms[1], at B, were computed
   Two terms[2];
   for (int k = 0; k < p.nc; ++k) {
     const double y = x_.rows[k];

@@ -44,7 +44,7 @@ class DenseFactor final : public Factor {
     panel.bottomRows(kkt_.nc()) = -f;
   }
 
-  // Computes J^+ f, f the contact rows of x.
+  // Replaces the coordinates' rows of x by J^+ f, where f are the contact rows of x.
   void particular_solution(double* x) override {
     if (rank() == kkt_.nc()) return solve(x);
     Eigen::VectorXd a(kkt_.nv()), f(kkt_.nc());
@@ -55,8 +55,8 @@ class DenseFactor final : public Factor {
   int own_refinements() const override { return 1; }
 
   int rank() const override { return kkt_.delta > 0 ? kkt_.nc() : kkt_.rank; }
-  // Lists rows that depend on rows before them, by two passes of Gram-Schmidt, as other factors do. If this finds fewer
-  // independent rows than the rank, lists the rows that the pivoted QR rejected.
+  // Lists the rows that depend on rows before them, as other factors do, by two passes of Gram-Schmidt. If this gives
+  // fewer independent rows than the rank, lists the rows that the pivoted QR rejected.
   void dependent_rows(std::vector<int>& rows) const override {
     rows.clear();
     Eigen::MatrixXd Q(kkt_.nv(), rank());
@@ -79,7 +79,7 @@ class DenseFactor final : public Factor {
     return std::abs(kkt_.choice.matrixQR()(rank(), rank()));
   }
 
-  // Projects with P = I - J J^+.
+  // Subtracts P y, with the projector P = I - J J^+ on the contact rows.
   void project_out(double* y, double* null_component) override {
     if (rank() == kkt_.nc()) return;
     Eigen::VectorXd a(kkt_.nv()), b(kkt_.nc());

@@ -10,7 +10,8 @@ namespace manycontact {
 
 namespace {
 
-// Returns the smallest Cholesky pivot relative to its diagonal entry; zero if a pivot is denormal, so without digits.
+// Returns the smallest ratio of a Cholesky pivot to its diagonal entry, or zero if a pivot is denormal, which has lost
+// its digits.
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {
@@ -29,7 +30,8 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    // Constructed again: Eigen's resize in place is not safe, and without a matrix Eigen leaves info() undefined.
+    // Constructed again when the size changes: resizing by Eigen is not safe if memory runs out, and for an empty
+    // matrix Eigen leaves info() undefined.
     if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
@@ -47,7 +49,7 @@ class DenseSchurFactor final : public Factor {
     return smallest_pivot(llt_S_, S_.diagonal()) < tolerance::kPivotLeft ? Reason::kSmallPivot : Reason::kNone;
   }
 
-  // Computes [a; y] with w = L^-1 b1, L the factor of M: S y = Z^T w - b2, a = L^-T (w - Z y).
+  // Computes [a; y] from [b1; b2] with the Cholesky factor L of M: w = L^-1 b1, S y = Z^T w - b2, a = L^-T (w - Z y).
   void solve(double* x) override {
     a_.resize(pattern_->nv);
     y_.resize(pattern_->nc);
@@ -82,7 +84,7 @@ class DenseSchurFactor final : public Factor {
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  // Whether a pivot of S may consist of rounding errors that another small pivot of S enlarged.
+  // Whether a pivot of S may consist only of rounding errors that an earlier small pivot of S enlarged.
   bool pivots_pass_on() const {
     rank::PassedOn<double> passed_on;
     for (int k = 0; k < S_.rows(); ++k) {
@@ -112,7 +114,7 @@ class DenseSchurFactor final : public Factor {
 
   std::shared_ptr<const KktPattern> pattern_;
   Eigen::MatrixXd M_, J_, Z_, S_, inverse_;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I, K^-1
-  // Initialised with a 1 x 1 matrix: members of a default LLT are uninitialised, and copying them is undefined.
+  // Initialised with a 1 x 1 matrix, as members of a default LLT are uninitialised, and copying them is undefined.
   Eigen::LLT<Eigen::MatrixXd> llt_M_{Eigen::MatrixXd::Identity(1, 1)}, llt_S_ = llt_M_;
   bool inverted_ = false;
   Eigen::VectorXd a_, y_;
@@ -130,7 +132,7 @@ std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> 
       return make_dense_schur_factor();
     case Method::kSparseCholmod:
       return make_cholmod_factor(std::move(shape));
-    case Method::kSparseBodies:  // joint-space factor of K; BodyFactor has the system of bodies
+    case Method::kSparseBodies:  // a factor of K as a fallback; the factor of the body-space system is BodyFactor
       return make_ldl_factor(Method::kSparseLdl);
     default:
       return make_ldl_factor(method);

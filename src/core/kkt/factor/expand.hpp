@@ -5,7 +5,7 @@
 
 namespace manycontact::internal {
 
-/// Writes M (nv x nv, both triangles) and J (nc x nv), in the island's order.
+/// Extracts M (nv x nv, both triangles) and J (nc x nv) from K, in the island's order.
 inline void expand(const KktMatrix& K, Eigen::MatrixXd& M, Eigen::MatrixXd& J) {
   const KktPattern& p = *K.pattern;
   M.setZero(p.nv, p.nv);
@@ -20,7 +20,7 @@ inline void expand(const KktMatrix& K, Eigen::MatrixXd& M, Eigen::MatrixXd& J) {
     }
 }
 
-/// Copies a vector x in K's elimination order to its parts a and y in the island's order; `join` does the reverse.
+/// Copies x, in K's elimination order, to its parts a (nv) and y (nc), in the island's order. `join` does the reverse.
 template <class X, class A, class Y>
 void split(const KktPattern& p, const X& x, A&& a, Y&& y) {
   for (int k = 0; k < p.nv; ++k) a[k] = x[p.iperm[k]];

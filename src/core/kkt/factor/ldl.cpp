@@ -25,7 +25,7 @@ class LdlFactor final : public Factor {
     return waits_ ? factorize_waiting(K, scratch) : factorize_all(K, scratch);
   }
 
-  // x <- (I - P) K_kept^-1 (I - P) x
+  // Overwrites x with (I - P) K_kept^-1 (I - P) x (rank/dependent_rows.hpp).
   void solve(double* x) override {
     rank::project_out(dependence_, x);
     solve_kept(x);
@@ -101,8 +101,8 @@ class LdlFactor final : public Factor {
     return reason == Reason::kNone && !std::isfinite(growth_) ? Reason::kSmallPivot : reason;
   }
 
-  // A row of J without a sound pivot waits (tolerance::kWaits). It depends on other rows if J_k - sum z_j J_j, computed
-  // from J, is a rounding error. If that is uncertain, the dense reference solver decides.
+  // Factorizes K such that rows of J without a sound pivot wait (tolerance::kWaits). A waiting row k depends on other
+  // rows if J_k - sum z_j J_j, computed from J, is a rounding error. If that is uncertain, returns kSmallPivot.
   Reason factorize_waiting(const KktMatrix& K, FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     for (int k = 0; k < p.nc; ++k) row_size_[p.iperm[p.nv + k]] = internal::size_of_row(K, scratch, k);
@@ -116,7 +116,8 @@ class LdlFactor final : public Factor {
              : std::ssize(dependence_.dropped) < most ? Reason::kWrongInertia
                                                       : Reason::kSmallPivot;
     growth_ = std::max(1.0, internal::growth_of(K, scratch.scale.data()));
-    if (!dependence_.dropped.empty()) (void)ldl_.work();  // whether columns need refinement varies, and memory must not
+    // Allocates memory for refinement now: later states may need it when nothing may be allocated.
+    if (!dependence_.dropped.empty()) (void)ldl_.work();
     const bool found = rank::find_dependence(p.K, p.ldl, K.values.data(), p.of_M, row_size_.data(), ldl_.L.data(),
                                              ldl_.D.data(), solve_, dependence_);
     return found && std::isfinite(growth_) ? Reason::kNone : Reason::kSmallPivot;

@@ -10,10 +10,11 @@
 
 namespace manycontact::internal {
 
-/// L and D of K, and solves with L and D, by the pattern's compiled schedule if requested and not too large.
+/// The factors L and D of K, and solves with them. They use the pattern's compiled schedule if the method is kSparseLdl
+/// and the schedule is not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
-  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: sparse/ldl.hpp
+  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: functions of sparse/ldl.hpp
   std::vector<double> L, D;
   std::vector<char> nonzero;  // scratch: flags of rows
   std::vector<int> same;  // the identity permutation 0, 1, 2 ...
@@ -30,8 +31,9 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// Computes L and D of the values Ax, and the pivots' terms in scratch.scale. Returns false if a pivot is zero.
-  /// least, most: see PanelKernels::factor; they decide which rows are not eliminated.
+  /// Computes L and D of the matrix with values Ax, and the magnitudes of the pivots' terms in scratch.scale. Returns
+  /// false if SuiteSparse's LDL ends at a zero pivot; otherwise the caller must check the pivots. least, most: which
+  /// rows are not eliminated (PanelKernels::factor).
   bool factor(const double* Ax, const double* least, int most, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
@@ -72,7 +74,8 @@ struct LdlNumbers {
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
-  /// Memory for panels, also with refinement. A thread's factors share it, so that it stays in the cache.
+  /// Returns scratch memory for panels and their refinement. A thread's factors share it, so that it stays in the
+  /// cache.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

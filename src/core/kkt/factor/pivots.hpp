@@ -9,14 +9,15 @@
 
 namespace manycontact::internal {
 
-/// Checks K's signature (nv, nc, 0), and that pivots exceed rounding. scratch.scale: pivots' terms. L: may be null.
+/// Checks that K has the signature (nv, nc, 0), and that pivots exceed their rounding errors. scratch.scale: magnitudes
+/// of the pivots' terms. L: nullptr if unknown; more pivots are then rejected.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;
   const auto of_M = [&K](int k) { return K.pattern->of_M[k] != 0; };
   bool lost = K.damping == 0 && K.nc() > K.nv(), passed = false, signs = true;
   rank::PassedOnInTree passed_on(K.pattern->ldl, scratch.passed_on);
-  std::vector<double>& noise = scratch.ldl.Y;  // sized at every factorization: a later state may need it
+  std::vector<double>& noise = scratch.ldl.Y;  // sized now, as a later state may need it when nothing may be allocated
   if (std::ssize(noise) < A.n) noise.resize(A.n);
   for (int k = 0; k < A.n; ++k) {
     if (!std::isfinite(D[k]) || D[k] == 0) return Reason::kZeroPivot;
@@ -31,7 +32,8 @@ inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D,
   return lost ? Reason::kSmallPivot : Reason::kNone;
 }
 
-/// Returns the growth of K's entries during elimination. terms: the magnitudes of the terms of each pivot.
+/// Returns the growth of K's entries during elimination: the largest of the pivots' terms over the largest diagonal
+/// entry of K. terms: the magnitudes of the terms of each pivot.
 inline double growth_of(const KktMatrix& K, const double* terms) {
   const sparse::UpperCsc& A = K.pattern->K;
   double largest = 0, diagonal = 0;
@@ -42,7 +44,8 @@ inline double growth_of(const KktMatrix& K, const double* terms) {
   return diagonal > 0 ? largest / diagonal : 1;
 }
 
-/// Returns the size relative to which row k of J, in the island's order, is judged: its own, or else K.row_scale.
+/// Returns the size relative to which row k of J, in the island's order, is judged: scratch.row_scale[k] or, if that is
+/// not given, K.row_scale.
 inline double size_of_row(const KktMatrix& K, const FactorScratch& scratch, int k) {
   return scratch.row_scale.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_scale[k] : K.row_scale;
 }

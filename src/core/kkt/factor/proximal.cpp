@@ -1,4 +1,5 @@
-// Tests random vectors to find which rows are dependent, and how often E must be applied.
+// Part of ProximalFactor (proximal.hpp) that tests with random vectors which rows are in the null space of J^T, and how
+// often E must be applied.
 
 #include "proximal.hpp"
 
@@ -8,11 +9,12 @@ namespace manycontact {
 
 namespace internal {
 
-// Tests random vectors, the probes, instead of all columns of P. E^k and P agree on the probes once J^T E^k probes is a
+// Checks the rank, and sets applications_ to the k for which E^k approximates the projector P (proximal.hpp). In place
+// of all columns of P, it tests random vectors, the probes. E^k and P agree on the probes once J^T E^k probes is a
 // rounding error. This never happens if a dropped row is only nearly dependent: S then has an eigenvector that E
-// neither removes nor keeps, with a component in nearly all probes. A row dropped by its pivot alone may have an
-// eigenvalue of kPivotOfDependent delta; each E reduces its component by kPivotOfDependent. Forces are smoother than
-// probes: their components of the smallest eigenvalues are larger, and need one more application.
+// neither removes nor preserves, with a component in nearly all probes. If the pivot alone decided that a row is
+// dependent, S may have an eigenvalue of kPivotOfDependent delta, whose component each E divides by kPivotOfDependent.
+// Forces have larger components than probes along the smallest eigenvalues, and need one more application.
 bool ProximalFactor::certify(FactorScratch& scratch) {
   left_ = drift_ = 0;
   applications_ = 1;
@@ -28,7 +30,7 @@ bool ProximalFactor::certify(FactorScratch& scratch) {
     left_ = left_of_probes(scratch);
     const bool vanishes = left_ <= std::max(tolerance::kRowLeft, tolerance::kGrown * kEps * growth_);
     if (!vanishes && left_ < slowest * last) continue;
-    left_ = std::min(left_, last);  // if the decrease stops, these are rounding errors; an eigenvector would leave more
+    left_ = std::min(left_, last);  // the decrease has stopped, at rounding errors or, if larger, at an eigenvector
     if (!vanishes && !(left_ <= tolerance::kMostLeft)) return false;
     applications_ = vanishes ? k + 1 : k;
     take_null_space_rows();
@@ -47,8 +49,8 @@ void ProximalFactor::start_probes() {
     }
 }
 
-// Returns the largest entry of J^T probes, relative to the terms that the entry adds up, or to the largest terms of a
-// row of J if those are larger. (A body with many contacts adds up the terms of all of them.)
+// Returns the largest entry of J^T probes. An entry is relative to its terms, which are many on a body with many
+// contacts, or to the largest term of any row of J, if that is larger.
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;
@@ -70,7 +72,7 @@ double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   return left;
 }
 
-// Measures E's relative rounding error, drift_: how E changes the probes once these are in the null space.
+// Sets drift_, the relative rounding error of E, to the change of the probes by E, once they are in the null space.
 void ProximalFactor::measure_drift() {
   double change = 0;
   for (std::size_t k = 0; k < probes_.size(); ++k)

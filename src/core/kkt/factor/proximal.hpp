@@ -121,7 +121,8 @@ class ProximalFactor final : public Factor {
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // Checks the factor: pivots of M as any factor does, but pivots of J's rows need only be negative.
+  // Checks the factor, and its growth. Pivots of M are checked as in other factors; pivots of rows of J need only be
+  // negative.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -135,14 +136,15 @@ class ProximalFactor final : public Factor {
     return growth_ <= tolerance::kMostGrowth ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Factorizes K with kStiffer times delta and stores its pivots in stiffer_; overwrites the factor for delta.
+  // Factorizes K with kStiffer times delta and stores the pivots in stiffer_. This overwrites the factor for delta.
   void find_stiffer_pivots(FactorScratch& scratch) {
     factorize_damped(tolerance::kStiffer * delta_, scratch);
     stiffer_ = ldl_.D;
   }
 
-  // Finds dependent rows by their pivots relative to delta or, if a pivot is ambiguous, by how pivots change with
-  // delta. The last in_doubt_ may save a factorization, but does not change the result. False: the rank is in doubt.
+  // Lists the dependent rows in dropped_ by their pivots relative to delta or, if a pivot is ambiguous, by how pivots
+  // change with delta. Returns false if the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known
+  // already; this saves a factorization and does not change the result.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -162,7 +164,8 @@ class ProximalFactor final : public Factor {
     return compare_pivots(scratch.scale.data());
   }
 
-  // The product of all pivots is det M det (S + delta), with a factor delta for each zero eigenvalue of S. The
+  // Lists the dependent rows in dropped_ by the exponents with which pivots grow with delta; false: the rank is in
+  // doubt. The product of all pivots is det M det (S + delta), with a factor delta for each zero eigenvalue of S. The
   // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each exponent is 1 or 0.
   // If some rows nearly depend on earlier rows, and later rows on all of them, their exponents are between 0 and 1, but
   // the sum is an integer. Exponents within rounding error of 1 or 0 are rounded, so that their errors do not add up.
@@ -232,7 +235,7 @@ class ProximalFactor final : public Factor {
   double growth_ = 1;
   double drift_ = 0;                                         // relative rounding error of E y for y in J^T's null space
   int applications_ = 1;                                     // number of applications of E that approximate P
-  double left_ = 0;                                          // largest J^T n of null vectors n, relative to its terms
+  double left_ = 0;                                          // largest J^T n of projected probes n, relative to terms
   std::vector<double> b_, r_, scale_, w_, probes_, before_;  // scratch, in K's order
   std::vector<double> sums_;                                 // scratch: J^T probes_, and |J|^T |probes_|, in rows of M
   std::vector<double> X_, B_, W_;                            // scratch of panels: kChunk columns of all rows

@@ -1,4 +1,4 @@
-// Solves with vectors and panels by proximal steps, and the projector on the null space of J^T.
+// Part of ProximalFactor (proximal.hpp): solves with vectors and panels, and the projector P on the null space of J^T.
 
 #include <optional>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-// Removes P y from y: repeats y -= E^k y until y stops changing.
+// Removes P y from y by y -= E^k y, repeated until y stops changing. Adds P y to null_component if it is given.
 void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
 
 void ProximalFactor::project(double* y, double* null_component, double left) {
@@ -50,14 +50,15 @@ void ProximalFactor::apply_to_columns(int cols, int times) {
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
   for (int k = 0; k < times; ++k) apply(W_.data(), kChunk, cols, p.perm.data());
 }
-// X_ -= W_, in the rows that null vectors contain.
+// X_ -= W_, in the rows in which null vectors have entries.
 void ProximalFactor::take_out_of_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the null-space part of X_ but for `left` of it. Rounding errors of each pass leave `each` of this part.
+// Removes the null-space part of X_ until at most the fraction `left` of it remains. Rounding errors of each pass leave
+// the fraction `each`.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -102,8 +103,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// The first attempt keeps P b. If P b is zero, residuals decrease to rounding errors. Otherwise residuals end at P b,
-// and each step adds P b / delta to the forces; the solve is then repeated with b - P b.
+// Refines first without removing P b from b. If P b is zero, residuals decrease to rounding errors. Otherwise residuals
+// end at P b, and each step adds P b / delta to the forces; the solve is then repeated with b - P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -117,8 +118,8 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
     project(v.x.data(), nullptr, tolerance::kProjected);
     residual(K, v);
     if (!(left_of_M(v) <= tolerance::kConverged)) {
-      // J^T times the removed forces is a rounding error. One more step corrects it, without the step's null-space part
-      // down to a part that is small relative to all forces.
+      // The removed forces had a J^T f of rounding errors, which now is a residual of M's rows. One more step corrects
+      // it. The step's own null-space part is removed until it is small relative to all forces.
       ldl_.solve(v.r.data());
       const double f = largest_of_parts(v.x)[0], step = largest_of_parts(v.r)[0];
       project(v.r.data(), nullptr, tolerance::kProjected * std::max(1.0, f / step));
@@ -131,7 +132,8 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   return refinement;
 }
 
-// Removes the rounding error of P b in J's range, which S's least eigenvalue would amplify: P b -= (J^T)^+ J^T P b.
+// Removes from P b its rounding error in the range of J, by P b -= (J^T)^+ J^T P b. The inverse of the least eigenvalue
+// of S would amplify this error.
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
@@ -153,8 +155,9 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
-// Refines while the largest residual, of M's or J's rows relative to the first step's terms, is at least halved. A
-// componentwise error would show no progress at rest, where J's terms vanish with their residuals.
+// Refines while each step at least halves the largest residual, which for M's rows and for J's rows is relative to the
+// largest terms before the first step. A componentwise error would show no progress at rest, where J's terms vanish
+// with their residuals.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   std::optional<std::array<double, 2>> terms;
   double error = 0, first = 0;
@@ -177,7 +180,7 @@ sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   return out;
 }
 
-// Returns the largest residual of M's rows, relative to its row's terms or to kLeastLoad of the largest terms.
+// Returns the largest residual of a row of M, relative to its terms or, if larger, kLeastLoad of the largest terms.
 double ProximalFactor::left_of_M(const KktVectors& v) const {
   const double least = tolerance::kLeastLoad * largest_of_parts(v.scale)[1];
   double left = 0;
@@ -186,7 +189,7 @@ double ProximalFactor::left_of_M(const KktVectors& v) const {
   return left;
 }
 
-// Returns the largest magnitudes of x, in J's rows and in M's rows.
+// Returns the largest magnitude of x in rows of J, and the largest in rows of M.
 std::array<double, 2> ProximalFactor::largest_of_parts(const std::vector<double>& x) const {
   std::array<double, 2> out{};
   for (std::size_t k = 0; k < x.size(); ++k) {

@@ -10,10 +10,10 @@ namespace manycontact {
 
 namespace {
 
-// The inconsistency P b1 of the rows is orthogonal to J's range. In rows with large entries (rotations, with lengths in
-// micrometres) P b1 is small and hidden by rounding errors of b1; P b1 -= (J^T)^+ J^T P b1 removes these. If the
-// correction exceeds rounding errors, the dropped rows are only nearly dependent, and P b1 is kept. v.x, v.r and
-// v.scale are workspace here, as the solution is computed later.
+// Removes rounding errors from P b, the inconsistent part of the contact rows of b, which is orthogonal to J's range.
+// In rows with large entries (rotations, if lengths are micrometres) P b is small and hidden by rounding errors of b. P
+// b -= (J^T)^+ J^T P b removes these. If this correction exceeds rounding errors, the dropped rows are only nearly
+// dependent, and P b is kept. v.x, v.r and v.scale are scratch here, as the solution is computed later.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);
@@ -70,7 +70,7 @@ sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int 
 
 namespace {
 
-// Returns the largest |R| of a column relative to |K|_1 |X| + |B|, R = B - K X. sums: memory for three rows.
+// Returns the largest error |R| / (|K|_1 |X| + |B|) of a column, where R = B - K X. sums: memory for three rows.
 double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
                     std::vector<double>& sums) {
   sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));
@@ -93,7 +93,7 @@ double column_error(const KktMatrix& K, int ld, const double* B, const double* X
 }  // namespace
 
 void Factor::solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work) {
-  constexpr int kChunk = 64;  // number of columns for which X and B fit into the caches together
+  constexpr int kChunk = 64;  // number of columns of X and B that fit into the caches together
   const KktPattern& p = *K.pattern;
   double* B = work.B.data();
   for (int c = first; c < first + cols; c += kChunk) {

@@ -1,5 +1,6 @@
 #pragma once
-// Forward dynamics without contacts. Source: Featherstone (2008), table 7.1, in the tree frame: no transformations.
+// Forward dynamics without contacts by the articulated-body algorithm. All quantities are in the tree frame, so that no
+// transformations are needed. Source: Featherstone (2008), table 7.1.
 
 #include <span>
 
@@ -13,13 +14,13 @@ struct AbaData {  // Scratch memory of aba; allocate it once per robot.
   std::vector<Mat6<S>> IA;               // njoints: articulated inertia
   std::vector<Vec6<S>> pA;               // njoints: articulated bias force
   Mat6X<S> U;                            // 6 x nv: IA S
-  VecX<S> u;                             // nv: tau - S^T pA, later D^-1 u with D = S^T IA S + armature
-  std::vector<Mat6<S>> Dinv;             // njoints: D^-1, in the leading block of size nv of the joint
-  std::vector<Vec6<S>> a;                // njoints: accelerations of bodies, with -g at the base
+  VecX<S> u;                             // nv: tau - S^T pA
+  std::vector<Mat6<S>> Dinv;             // njoints: D^-1 in the leading block, with D = S^T IA S + armature
+  std::vector<Vec6<S>> a;                // njoints: accelerations of bodies minus those for qdd = 0
 };
 
-/// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`. Sizes: q nq; v, tau, qdd nv; fext njoints forces in child
-/// frames, or empty. Returns false if D of a joint is not positive (M is singular); qdd is then NaN.
+/// Computes qdd = M^-1 (tau - h + sum J^T fext), and `kin`, whose a is that of qdd = 0. Sizes: q nq; v, tau, qdd nv;
+/// fext njoints forces in child frames, or empty. Returns false if M is singular, with qdd = NaN.
 template <class S>
 [[nodiscard]] bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, const ConstVecRef<S>& v,
                        const ConstVecRef<S>& tau, const Vec3<double>& gravity, std::span<const Vec6<S>> fext,

@@ -1,12 +1,11 @@
 #pragma once
-// External wrenches and springs (model/scene.hpp) as torques
+// The torques of external wrenches w and of springs (model/scene.hpp) on the velocity coordinates,
 //
-//     tau(q, v, w) = J_F(q)^T w + tau_s(q, v)
+//     tau(q, v, w) = J_F(q)^T w + tau_s(q, v),
 //
-// on the velocity coordinates (w: external wrenches), and products with their derivatives, without matrices. Each force
-// on a body is a wrench F in the tree frame (detail/algorithm/kinematics.hpp), f_i is the sum over the subtree of body
-// i, and tau_i = S_i^T f_i. Along (dq, dv), body i moves by xi_i, the sum of S_j dq_j on its path, and its velocity
-// changes by dv_i; then
+// and products with the derivatives of tau, without matrices. Each force on a body is a wrench F in the tree frame
+// (detail/algorithm/kinematics.hpp). With the sum f_i of wrenches over the subtree of body i, tau_i = S_i^T f_i. Along
+// (dq, dv), body i moves by xi_i, the sum of S_j dq_j over the joints j above it, so that
 //
 //     dtau_i = S_i^T df_i + (xi_i x S_i)^T f_i.
 
@@ -22,9 +21,9 @@ template <class S>
 struct AppliedForces {
   explicit AppliedForces(const Scene& scene);
 
-  struct OfRobot {                                    // a robot with any of these forces
+  struct OfRobot {                                    // a robot on which any of these forces acts
     int robot = -1;                                   // number in the scene
-    std::vector<int> wrenches, springs, joint_springs;  // numbers of its forces; springs: with end A on it
+    std::vector<int> wrenches, springs, joint_springs;  // numbers of its forces; of springs, those with end A on it
     std::vector<int> joints;                            // ascending: joints with forces on their bodies, and ancestors
     Kinematics<S> kin;                                  // velocities included; unused if there are only joint springs
     std::vector<Vec6<S>> f;  // njoints, set for `joints`: force on the body; add_applied_forces sums it over subtrees
@@ -33,7 +32,7 @@ struct AppliedForces {
     Vec3<S> d, n;   // vector from B to A in the world, and its unit vector
     Vec3<S> rate;   // time derivative of d
     S length, t;    // |d|; t = damping d|d|/dt - stiffness (rest length): A's force is -stiffness d - t n
-    bool directed;  // false: n is needed but undefined, as A and B coincide
+    bool directed;  // whether n is defined or not needed; false if A and B coincide and the force depends on n
   };
 
   std::vector<OfRobot> robots;    // ascending by robot number
@@ -42,44 +41,47 @@ struct AppliedForces {
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs whose ends coincide.
+/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs that are not `directed`.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
 
-/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. tau is NaN for robots with a spring whose ends coincide.
+/// Adds tau(q, v, w) to tau. Sizes: q nq; v, tau nv. tau is NaN for robots with a spring that is not `directed`.
 template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
 
-/// Displacements, velocities and adjoints of bodies, as scratch of one thread; allocate once.
+/// Scratch memory of one thread for displacements, velocities and adjoints of bodies; allocate it once.
 struct AppliedScratch {
   explicit AppliedScratch(const AppliedForces<double>& forces);
   std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
 
-// Call the functions below after add_applied_forces at q, v. They consider only `robots`; vectors are the scene's.
+// Call the functions below that have an argument `robots` after add_applied_forces at q, v. They consider only these
+// robots. Vectors have the sizes and the order of the scene.
 
 /// Adds dtau/dq dq + dtau/dv dv + dtau/dw dw to dtau. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
                          AppliedScratch& scratch, double* dtau);
 
-/// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv; sets ww = (dtau/dw)^T l for these robots unless ww is nullptr.
+/// Adds (dtau/dq)^T l to wq and (dtau/dv)^T l to wv. Sets the entries of ww = (dtau/dw)^T l for wrenches on these
+/// robots, unless ww is nullptr.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
 
-/// Magnitudes relative to which rounding errors of tau and its derivatives are judged, per velocity coordinate.
+/// Magnitudes of terms of tau and its derivatives, relative to which rounding errors are judged. One number per
+/// velocity coordinate, i.e. per row.
 struct AppliedSizes {
-  std::vector<double> tau;      // sum of the magnitudes of tau's terms
-  std::vector<double> q, v, w;  // the same sum for the largest entry of each row of dtau/dq, dtau/dv, dtau/dw
+  std::vector<double> tau;      // sum of the magnitudes of the terms of tau
+  std::vector<double> q, v, w;  // bounds of these sums for any entry in a row of dtau/dq, dtau/dv, dtau/dw
 };
 /// Computes the magnitudes, after add_applied_forces at q (nq), v (nv). They are zero for robots not in `robots`.
 AppliedSizes applied_sizes(const Scene& scene, const double* q, const double* v, const AppliedForces<double>& forces,
                            std::span<const int> robots);
 
-/// Power of external wrenches, and of the springs' dampers (negative), at the last add_applied_forces [W].
+/// Power [W] of external wrenches, and of the springs' dampers (negative), in the state of the last add_applied_forces.
 struct AppliedPower {
   double wrenches = 0, dampers = 0;
 };

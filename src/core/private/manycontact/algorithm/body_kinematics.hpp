@@ -11,14 +11,14 @@
 
 namespace manycontact {
 
-/// Returns the motion m of a body at a point displaced by r.
+/// Returns the motion m of a body, given at one point, at a point displaced from it by r.
 template <class A, class S>
 Vec6<S> motion_at(const Eigen::MatrixBase<A>& m, const Vec3<S>& r) {
   Vec6<S> out = m;
   out.template head<3>() += cross(m.template tail<3>(), r);
   return out;
 }
-/// Returns a force f that acts at the point r, as a force at the origin.
+/// Returns the force at the origin that is equivalent to the force f at the point r.
 template <class A, class S>
 Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   Vec6<S> out = f;
@@ -26,7 +26,7 @@ Vec6<S> force_from(const Eigen::MatrixBase<A>& f, const Vec3<S>& r) {
   return out;
 }
 
-/// Returns the magnitudes of the terms of a cross product of vectors with magnitudes a and b.
+/// Returns the magnitudes of the terms, added up, of a cross product of two vectors whose entries have magnitudes a, b.
 template <class S>
 Vec3<S> cross_sizes(const Vec3<S>& a, const Vec3<S>& b) {
   return {a[1] * b[2] + a[2] * b[1], a[2] * b[0] + a[0] * b[2], a[0] * b[1] + a[1] * b[0]};
@@ -52,7 +52,7 @@ struct BodyKinematics {
 template <class S>
 struct BodyTerms {
   Vec3<S>* r;     // origin of the body frame relative to the parent's, or to the base
-  S* S_i;         // 6 x nv of the joint, by columns: motion subspace; zero before the first call
+  S* S_i;         // 6 x nv of the joint, by columns: motion subspace; the caller sets it to zero before the first call
   Inertia<S>* Y;  // the body's inertia
   Vec6<S>* c;     // bias acceleration v x S v of the joint
   Vec6<S>* h;     // bias force v x* Y v of the body

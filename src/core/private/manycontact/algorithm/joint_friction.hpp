@@ -28,7 +28,7 @@ inline double friction_slope(const Model& model, int i, double v) {
   return slope + model.friction[i] / (kFrictionVelocity * c * c);
 }
 
-/// Adds the change of tau_f at v along dv to `out`, for a robot's nv coordinates.
+/// Adds the derivative of tau_f at v along dv to `out`, for a robot's nv coordinates.
 template <class V, class Dv, class Out>
 void add_friction_change(const Model& model, const V& v, const Dv& dv, Out&& out) {
   for (int i = 0; has_friction(model) && i < model.nv; ++i) out[i] -= friction_slope(model, i, v[i]) * dv[i];

@@ -1,5 +1,6 @@
 #pragma once
-// Parameters of a robot that algorithms read: those of the model or, in SIMD batches, one set per robot of the batch.
+// The parameters of robots that algorithms read. A single robot has those of its model; in a SIMD batch, robots with
+// different models may have a set of parameters each.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
@@ -15,7 +16,7 @@ struct ModelNumbers {
   VecX<S> armature;                 // nv
 };
 
-/// Placement of joint i. Its rotation and translation are converted to S only when requested.
+/// The placement of joint i. Its rotation and translation are converted to S only when requested.
 template <class S>
 struct PlacementOf {
   const SE3<double>& of_model;

@@ -6,7 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Computes the kinematics of one robot at a time at q (scene.nq), v (scene.nv; nullptr: rest); reuses memory by model.
+/// Computes the kinematics of one robot at a time, at q (scene.nq) and v (scene.nv; nullptr: at rest). Memory is reused
+/// for robots with the same model.
 class MotionOf {
  public:
   MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)
@@ -36,7 +37,8 @@ class MotionOf {
   Eigen::VectorXd own_v_;
 };
 
-/// Calls look(c, support, rows) for each contact c flagged `active`, at q, v; columns of J: contact_support(contact).
+/// Calls look(c, support, rows) for each contact c flagged `active`, with the contact's rows at q, v. contact_support
+/// must return the coordinates of the columns of J (`support`) for a contact.
 template <class Support, class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                      const double* v, Support&& contact_support, Look&& look) {
@@ -55,7 +57,7 @@ void each_contact_at(const Scene& scene, const std::vector<char>& active, const 
   }
 }
 
-/// Calls look(c, rows) for each contact c flagged `active`, at q, v; rows have no J.
+/// Calls look(c, rows) for each contact c flagged `active`, with the contact's rows at q, v, but without J.
 template <class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
                      const double* v, Look&& look) {

@@ -1,11 +1,13 @@
 #pragma once
-// Bias acceleration a0 of a pair (contact/pair_rows.hpp), and its derivatives by the bodies' relative motion.
+// The bias acceleration a0 of a pair (contact/pair_rows.hpp), and its derivatives with respect to the relative motion
+// of the pair's bodies.
 
 #include "manycontact/contact/pair_rows.hpp"
 
 namespace manycontact {
 
-/// Returns W_m x: the rows of member m of a pair, in the member's axes, for a motion x of its frame A.
+/// Returns W_m x, the components of x that the rows of member m of a pair select. x: a motion in the axes of the
+/// member's frame A.
 template <class S>
 Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, const Vec6<S>& x) {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> out(m.rows());
@@ -27,8 +29,10 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
   return out;
 }
 
-/// Bias motion of one member of a pair, without nudot (symbols: detail/contact/rows.hpp; e: position error):
-///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,   5D: as points, and rotation.
+/// The bias acceleration of one member of a pair without nudot, and its derivatives (symbols: detail/contact/rows.hpp;
+/// e: position error, r: rotation between the axes):
+///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,
+///     5D: as points, and alpha r + beta nu_ang
 template <class S>
 struct MemberMotion {
   const Contact& c;
@@ -69,11 +73,11 @@ struct MemberMotion {
   }
 };
 
-/// Computes x, W, a0 and `left` of a pair's data from its nu, nudot and G.
+/// Computes d.x, W, a0 and `left` of a pair from d.nu, nudot and G.
 template <class S>
 void pair_motion(const Contact& pair, ContactData<S>& d);
 
-/// Derivatives of a pair's x by nu and by a displacement of A, except those by nudot; 6 x 6 each.
+/// The derivatives of a pair's x with respect to nu and to a displacement of A, at constant nudot (6 x 6 each).
 template <class S>
 struct PairSlopes {
   Mat6<S> by_motion = Mat6<S>::Zero(), by_displacement = Mat6<S>::Zero();

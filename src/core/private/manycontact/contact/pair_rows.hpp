@@ -6,8 +6,9 @@
 //
 //     S J = B nu,    B = [S_m W_m X_m] (n x 6),    B = Q R,   Q^T Q = 1,   R (r x 6), r <= 6 the rank of B.
 //
-// S weighs angular rows by Scene::moment_length. The pair's rows R nu, a0 = Q^T S a0_all, replace all of these. Forces
-// y of the pair give contact forces f = S Q y of least norm |S^-1 f|. (1 - Q Q^T) S a0_all is their inconsistency.
+// The diagonal S multiplies angular rows by Scene::moment_length. The pair has the rows R nu and the bias a0 = Q^T S
+// a0_all in place of all contacts' rows and their biases a0_all. Forces y of the pair give contact forces f = S Q y of
+// least norm |S^-1 f|. (1 - Q Q^T) S a0_all is the inconsistency of the contacts.
 
 #include <memory>
 #include <span>
@@ -18,14 +19,14 @@ namespace manycontact {
 
 using SharedPairNumbers = std::shared_ptr<const PairNumbers<double>>;
 
-/// Strict order of pair numbers, by R, Q and A, which determine the other members. Equal numbers are equivalent.
+/// A strict order of pair numbers, by R, Q and A, which determine the other members. Equal objects are equivalent.
 struct PairNumbersLess {
   bool operator()(const SharedPairNumbers& a, const SharedPairNumbers& b) const;
 };
 
 struct PairRows {
   std::vector<int> contacts;     // numbers of the contacts in the scene, ascending
-  std::vector<Contact> members;  // the contacts' properties for rows: type, axis, gains, placements
+  std::vector<Contact> members;  // the contacts, with the properties that rows need: type, axis, gains, placements
   SharedPairNumbers numbers;     // shared by all pairs of a reduction with equal numbers
   std::vector<SE3<double>> B;    // one entry per member: placement of its B' in the pair's B'
   std::vector<double> unit;      // S: weights of the rows of all members, one number per row
@@ -33,7 +34,7 @@ struct PairRows {
   int kind = 0;                  // equal for pairs with members of the same types, in the same order, and the same rank
 };
 
-/// Returns what contact kernels are compiled for, in addition to joints: the contact's type, or PairRows::kind.
+/// Returns the number that identifies the contact's type in keys of structures: PairRows::kind for a pair.
 inline int kind_of(const Contact& contact) {
   return contact.pair ? contact.pair->kind : static_cast<int>(contact.type);
 }

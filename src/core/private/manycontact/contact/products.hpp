@@ -1,25 +1,27 @@
 #pragma once
-// Products with one contact's derivatives, without matrices: forward and reverse mode of detail/contact/rows.hpp.
+// Products with the derivatives of one contact's rows (detail/contact/rows.hpp), without matrices, in forward and in
+// reverse mode.
 
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world): dr2, of
-/// x's rows, W's rotation included; dF, of the force on A in A's axes, its rotation included. rows: the contact's data
-/// at the solution. f: the contact's force.
+/// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world). dr2 is
+/// the change of W x, which includes the rotation of W. dF is the change of the force on A in A's axes, which includes
+/// the force's rotation. rows: the contact's data at the accelerations of the solution. f: the contact's force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);
 
-/// Adds the gradients of -w^T J^T f + l^T r2 to the adjoints a, b of the bodies of A and B, in tree frames. uA, uB:
-/// virtual velocities of the bodies by w. l: one entry per row of the contact.
+/// Adds the gradients of -w^T J^T f + l^T r2, with r2 = W x, to the adjoints a, b of the bodies of A and B, in tree
+/// frames. uA, uB: virtual velocities of these bodies (virtual_velocities of w). l: one entry per row of the contact.
 template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
-/// Calls add(attachment, force), in tree frames, for those bodies that move: F (in A's axes) on A, -F on B'.
+/// Calls add(attachment, force), with the force in the body's tree frame, for those of A and B that move. F acts on A
+/// and is in A's axes; -F acts on B'.
 template <class S, class Add>
 void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
   if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));

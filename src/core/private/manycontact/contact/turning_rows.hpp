@@ -1,18 +1,19 @@
 #pragma once
 // Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, rows select components of A's acceleration relative to
-// B' (detail/contact/rows.hpp), that is the rate of velocity along axes fixed in B'. Let w be the rotation of the rows'
-// axes relative to B': nu_ang for A's axes, minus the angular velocity of B' for the world's. The rate of J v is
+// B' (detail/contact/rows.hpp), which is the rate of velocity along axes fixed in B'. Let w be the angular velocity of
+// the rows' axes relative to B': nu_ang if they are A's axes, minus the angular velocity of B' if they are the world's.
+// The rate of J v is
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
-// Rows of other contacts leave no component of nu_lin free: both rates impose the same constraint. For 1D and 2D only
-// the component of nu_lin across the rows matters; components along them vanish if the contact is satisfied.
+// Rows of other contacts leave no component of nu_lin free, so that both rates impose the same constraint. For 1D and
+// 2D only the component of nu_lin orthogonal to the rows' axes matters; the others vanish if the contact is satisfied.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact::internal {
 
-/// Velocities across the rows are rounding errors below this part of their terms.
+/// Relative velocities orthogonal to the rows' axes are rounding errors if they are below this fraction of their terms.
 constexpr double kAcrossRows = 1e-12;
 
 /// Whether a contact leaves its point free in some direction, so that its rows may rotate while A moves across them.
@@ -20,7 +21,8 @@ inline bool leaves_directions(const Contact& contact) {
   return contact.type == ContactType::k1D || contact.type == ContactType::k2D;
 }
 
-/// Returns W (w x nu_across), the difference of the rate of J v from the acceleration of contact_rows, to call before.
+/// Returns W (w x nu_across) (file header), the acceleration of the rows minus the rate of J v. nu_across is the part
+/// of nu_lin orthogonal to the rows' axes. d: computed by contact_rows.
 inline Eigen::Vector2d turning_of_rows(const Contact& contact, const ContactData<double>& d) {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!leaves_directions(contact)) return out;

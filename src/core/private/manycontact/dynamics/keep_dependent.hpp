@@ -9,15 +9,17 @@
 
 namespace manycontact {
 
-/// Keeps the rows redundant in later solves that are redundant in the current solution. Call it after solve.
+/// Lets later solves treat rows as redundant within a tolerance (file header), up to the number of rows that are
+/// redundant in the current solution. Call it after solve.
 void keep_dependent(SceneData& data);
-/// Keeps, in `data`, the rows redundant that are redundant in `of`; its scene has the robots and contacts of `scene`.
+/// Has the effect of keep_dependent on later solves of `data`, with the number that keep_dependent set in `of`. The
+/// scene of `of` has the robots and contacts of `scene`.
 void keep_dependent_as(const SceneData& of, const Scene& scene, SceneData& data);
 /// Ends the effect of keep_dependent, for data that continue with other states.
 void forget_dependent(SceneData& data);
 
-/// Returns, per velocity coordinate, the possible error of J in rows in m: the tolerance or constraint violation within
-/// which rows are dependent; 0 if rows are exactly dependent, or independent.
+/// Returns, per velocity coordinate, the possible error of J in translational rows [m/rad or m/m]: the tolerance or
+/// constraint violation within which rows were made dependent. It is 0 if rows are exactly dependent, or independent.
 Eigen::VectorXd inaccuracy_of(const Scene& scene, const SceneData& data);
 
 }  // namespace manycontact

@@ -8,11 +8,11 @@
 
 namespace manycontact::internal {
 
-/// Returns OpenMP's number of threads; 1 without OpenMP.
+/// Returns OpenMP's number of threads, or 1 without OpenMP.
 int default_threads();
 
-/// Calls work(context, item, thread) for items 0 ... count-1. Thread k has items k, k + threads, ..., so an item has
-/// the memory of the same thread in every call. Nested OpenMP loops run in one thread. `work` must not throw.
+/// Calls work(context, item, thread) for items 0 ... count-1. Thread k processes items k, k + threads, ..., so that in
+/// every call the same thread processes an item. Nested OpenMP loops run in one thread. `work` must not throw.
 void run_items(int threads, std::ptrdiff_t count, void (*work)(void*, std::ptrdiff_t, int), void* context);
 
 /// Calls work(item, thread) for items 0 ... count-1 in parallel, for any callable `work` that does not throw.

@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Workspace of static torques, with kinematics of the scene at rest; allocate once.
+/// The workspace of static torques, with kinematics of the scene at rest. Allocate it once.
 struct StaticTorque {
   explicit StaticTorque(const Scene& scene);
   std::vector<Kinematics<double>> kin;             // one entry per robot
@@ -23,12 +23,13 @@ struct StaticTorque {
   Eigen::VectorXd l, wq, wv;                       // nv: scratch; l is zero between uses
 };
 
-/// Sets s.tau (nv) at q (nq), with data.wrenches and, if `contacts`, contact forces. Call it after update_kinematics
-/// or, if `contacts`, after a solve.
+/// Computes the static torque s.tau (nv) at q (nq), with data.wrenches and, if `contacts`, with contact forces. Call it
+/// after update_kinematics or, if `contacts`, after a solve.
 void static_torque(const Scene& scene, const SceneData& data, const double* q, bool contacts, StaticTorque& s);
 
-/// Computes d(s.tau)/dq of an island (nv x nv) on the tangent space; f is constant in each contact's frame. Call it
-/// after static_torque with equal `contacts`, after crba, and, if `contacts`, after differentiate.
+/// Computes the derivative of s.tau with respect to q for one island (nv x nv), on the tangent space and at constant f
+/// in each contact's frame. Call it after static_torque with equal `contacts`, after crba, and, if `contacts`, after
+/// differentiate.
 void static_torque_derivative(const Scene& scene, const SceneData& data, std::size_t island, bool contacts,
                               StaticTorque& s, Eigen::Ref<IslandDerivatives::Panel, 0, Eigen::OuterStride<>> out);
 

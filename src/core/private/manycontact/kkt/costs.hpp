@@ -1,24 +1,26 @@
 #pragma once
-// Coefficients of predicted costs, for `auto` and threads. The unit is kPredictedSecond, a multiply-add of CHOLMOD's
-// simplicial factor on a core of 2020. `./run bench --fit` measures and fits all costs, and prints this file.
+// Coefficients of predicted costs, for the method `auto` and for the use of threads. The unit is the time of one
+// multiply-add of CHOLMOD's simplicial factor, kPredictedSecond on a core of 2020. `./run bench --fit` measures and
+// fits all costs, and prints this file.
 
 namespace manycontact::costs {
 
-inline constexpr double kPredictedSecond = 0.2e-9;  // seconds
+inline constexpr double kPredictedSecond = 0.2e-9;  // duration of the unit of cost [s]
 
 // sparse-ldl: costs of factor, solve and refinement, per row of K, entry of L, multiply-add, supernode, and index range
-// that a supernode updates (short ranges: contacts are ordered among the joints).
+// that a supernode updates. Index ranges are short in the order contacts-early (kLdlShortRange).
 inline constexpr double kLdlRow = 17, kLdlEntry = 20, kLdlFlop = 0.18;
 inline constexpr double kLdlBlock = 215, kLdlRange = 0.65, kLdlShortRange = 2.2;
 
-// Kinematics, M, J and K: cost per row of K and per contact; kTermsContactAlone: per contact outside SIMD batches.
+// Kinematics, M, J and K: costs per row of K and per contact. Outside SIMD batches kTermsContactAlone is added per
+// contact.
 inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone = 670;
 
 // sparse-cholmod: costs per call, row of K, entry of L, and multiply-add.
 inline constexpr double kCholmodCall = 8000, kCholmodRow = 50, kCholmodEntry = 26, kCholmodFlop = 1;
 
-// sparse-bodies: costs per body (kBodyJoint: joint with several coordinates), contact row, squared number of open rows,
-// update of an open row, and multiply-add at the base. kBodyAlike: factor for subtrees of one shape in a SIMD batch.
+// sparse-bodies: costs per body, joint with several coordinates, contact row, squared number of open rows, update of an
+// open row, and multiply-add at the base. kBodyAlike: factor for subtrees of one shape, which SIMD batches solve.
 inline constexpr double kBody = 1180, kBodyJoint = 3900, kBodyRow = 1100, kBodyOpen = 10, kBodyUpdate = 0.5,
                         kBodyBase = 1.0 / 12, kBodyAlike = 0.5;
 inline constexpr double kBodyEliminated = 0.5;  // rows that one coordinate is likely to eliminate
@@ -26,11 +28,11 @@ inline constexpr double kBodyEliminated = 0.5;  // rows that one coordinate is l
 // dense: costs per call and per multiply-add.
 inline constexpr double kDenseCall = 8000, kDenseFlop = 0.22;
 
-// Costs of derivatives, of products, and of one iteration over an island's robots, as multiples of a solve.
+// Costs of derivatives, of products with derivatives, and of one pass over an island's robots, as multiples of a solve.
 inline constexpr double kDerivatives = 6, kProducts = 1, kWalk = 0.25;
 
-// Costs of derivatives robot by robot, per multiply-add of a panel: dense products are faster than sparse solves, and
-// panels are filled and read once more. A panel with dependent rows is always refined, and projected five times.
+// Factors on the cost of derivatives robot by robot. Dense products are faster per multiply-add than sparse solves, but
+// panels are written and read once more. A panel with dependent rows is always refined, and projected five times.
 inline constexpr double kPanelProduct = 0.4, kPanelsOnceMore = 1.3, kPanelDropping = 2.5;
 
 // A SIMD batch of n robots costs 1 + kTogether n times as much as one robot (measured for 8 and 2 robots).

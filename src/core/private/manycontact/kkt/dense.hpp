@@ -1,15 +1,16 @@
 #pragma once
-// The dense reference solver: the KKT system of one island, rank-revealing, in any scalar. J may have dependent rows
-// (delta = 0). M may be singular if contacts constrain its null space. a_free: acceleration without contacts.
+// The dense reference solver solves the KKT system of one island in any scalar, with a rank-revealing factor. J may
+// have dependent rows (delta = 0); M may be singular if contacts constrain its null space. a_free: a without contacts.
 //
 //   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
 //   f is the least-norm solution of J^T f = M a - b1.
 //
-// Null-space method: N is a basis of J's null space, J^T P = Q [C; 0], R C^T = U T V^T (complete orthogonal
-// decomposition), a = J^+ b2 + N y, (N^T M N) y = N^T (b1 - M J^+ b2). A pivoted QR of J, rows relative to their sizes,
-// decides the rank; P puts independent rows first. R sorts rows by size and V pivots, so that least squares of
-// micrometres and radians lose no digits. With delta > 0: LU of K. Sources: Golub, Van Loan, Matrix Computations
-// (2013), 5.5, 6.2; Cox, Higham, Stability of Householder QR factorization for weighted least squares problems (1998).
+// If delta = 0, this is the null-space method: N is a basis of J's null space, J^T P = Q [C; 0], R C^T = U T V^T
+// (complete orthogonal decomposition), a = J^+ b2 + N y, (N^T M N) y = N^T (b1 - M J^+ b2). A pivoted QR of J^T, with
+// each row of J divided by its size, gives the rank and the permutation P, which puts independent rows first. R sorts
+// rows by size and V pivots, so that least squares with micrometres and radians lose no digits. If delta > 0, it is an
+// LU of K. Sources: Golub, Van Loan, Matrix Computations (2013), 5.5, 6.2; Cox, Higham, Stability of Householder QR
+// factorization for weighted least squares problems (1998).
 
 #include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/spatial/scalar.hpp"
@@ -20,13 +21,13 @@ template <class S>
 struct DenseKkt {  // M, J, delta of K, and the rank-revealing factor
   MatX<S> M, J;    // nv x nv, nc x nv
   S delta = S(0);
-  VecX<S> row_scale;  // nc: sizes of rows of J (rank/row_size.hpp); if empty, their largest entries
+  VecX<S> row_scale;  // nc: sizes of rows of J (rank/row_size.hpp), or empty: a row's size is its largest entry
 
   // set by factor
   int rank = 0;          // rank of J
-  bool holds = false;    // whether N^T M N is positive definite: contacts constrain M's null space
-  bool regular = false;  // whether also, if delta > 0, K's pivots are sound: a and f exist
-  Eigen::ColPivHouseholderQR<MatX<S>> choice;       // pivoted QR of J^T, rows of J over their sizes: P, residuals
+  bool holds = false;    // whether N^T M N is positive definite, i.e. contacts constrain M's null space
+  bool regular = false;  // whether a and f exist: `holds`, and if delta > 0, K's pivots are sound
+  Eigen::ColPivHouseholderQR<MatX<S>> choice;       // pivoted QR of J^T, each row of J divided by its size; gives P
   Eigen::HouseholderQR<MatX<S>> of_Jt;              // J^T P = Q [C; 0]
   Eigen::PermutationMatrix<Eigen::Dynamic> sorted;  // R P^T: the rows of J in the order of R C^T
   Eigen::ColPivHouseholderQR<MatX<S>> of_Ct;        // R C^T = U T V^T
@@ -47,9 +48,9 @@ struct DenseKkt {  // M, J, delta of K, and the rank-revealing factor
 template <class S>
 void factor(DenseKkt<S>& kkt);
 
-/// Solves M a - J^T f = b1, J a + delta f = b2 (file header) per column of b1 (nv x k), b2 (nc x k), with one
+/// Solves M a - J^T f = b1, J a + delta f = b2 (file header) for each column of b1 (nv x k) and b2 (nc x k), with one
 /// refinement on the true residual. If `regular` is false, a and f are NaN. A row of J is dependent if its part
-/// orthogonal to the other rows is below tolerance::kRank of its size.
+/// orthogonal to the independent rows is at most tolerance::kRank of its size.
 template <class S>
 void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>& a, MatX<S>& f);
 

@@ -1,5 +1,5 @@
 #pragma once
-// Values of one island's KKT system K x = b, x = [a; -f], b = [tau_b; -a0], in the elimination order of a pattern.
+// The numbers of one island's KKT system K x = b, x = [a; -f], b = [tau_b; -a0], in the elimination order of a pattern.
 
 #include <memory>
 #include <span>
@@ -12,8 +12,8 @@ struct KktMatrix {
   std::shared_ptr<const KktPattern> pattern;
   std::vector<double> values;  // values of K's entries in the pattern's slots
   double damping = 0;          // delta of K
-  /// Reference for the sizes of J's rows: the largest motion from which rows are selected (motion_scale in
-  /// detail/contact/rows.hpp). It is needed because entries of J may all be rounding errors.
+  /// The size relative to which rows of J are judged: the largest motion from which rows are selected (motion_scale in
+  /// detail/contact/rows.hpp). The entries of J cannot give it, as they may all be rounding errors.
   double row_scale = 0;
 
   /// Sets the pattern and allocates the values.
@@ -23,7 +23,8 @@ struct KktMatrix {
   int size() const { return pattern->size(); }
 };
 
-/// Writes values into K's slots, all in the island's order. M: packed inertia, per robot; J: by columns, per contact.
+/// Writes the values of M and J and -damping to K. M: the packed inertia of each robot. J: the entries of each
+/// contact's rows, by columns. Robots and contacts are in the island's order.
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
               KktMatrix& K);
 

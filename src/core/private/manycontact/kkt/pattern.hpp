@@ -1,5 +1,5 @@
 #pragma once
-// Pattern of an island's KKT matrix K = [M J^T; J -delta I] in an elimination order.
+// The pattern of an island's KKT matrix K = [M J^T; J -delta I] in an elimination order.
 
 #include <memory>
 #include <mutex>
@@ -12,20 +12,21 @@
 
 namespace manycontact {
 
-/// Columns of the active contact rows J. K's pattern depends on these and on the trees.
+/// The columns in which the active contact rows J have entries. K's pattern depends on these and on the trees.
 struct IslandSupport {
   std::vector<ContactSupport> contacts;   // one entry per contact of the island; coordinates numbered within the robots
   std::vector<std::vector<int>> columns;  // one entry per contact: columns in the island, first those above A, then B'
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
-/// A schedule that the first thread which needs it compiles.
+/// A schedule that is compiled by the first thread that needs it.
 struct LazySchedule {
   std::mutex mutex;
   std::unique_ptr<const sparse::LdlSchedule> schedule;
 };
 
-/// Pattern of P K P^T, P the permutation to elimination order, its slots and symbolic factorization. Constant.
+/// The pattern of P K P^T, where P is the permutation to elimination order, with the slots of M's and J's entries and
+/// the symbolic factorization. It is constant.
 struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
@@ -46,36 +47,41 @@ struct KktPattern {
 /// Returns K's pattern with coordinates and rows in the island's numbering.
 sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const IslandSupport& support);
 
-// Elimination orders, as permutations KktPattern::perm. K: natural_pattern.
+// Functions that compute elimination orders, as permutations KktPattern::perm. K is the result of natural_pattern.
 
-/// Returns one flag per robot: it has neighbours through contacts, none of which is further from the ground, counted in
-/// contacts. In a tower this is the free end. All flags are false without contacts to the ground.
+/// Returns one flag per robot: contacts couple it to other robots, none of which is further from the ground. Distances
+/// are numbers of contacts. In a tower this is the robot at the free end. All flags are false without contacts to the
+/// ground.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
-/// Returns CAMD's order of n rows with these entries. Rows coupled with row n, which is removed at the end, come late.
+/// Returns CAMD's order of the rows 0 ... n-1 of a symmetric matrix with these entries. Row n is one more row, which
+/// comes last and is not returned; rows with entries in its column come late.
 std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
-/// Returns Order::kCamd. Of equivalent orders, contacts on the robots furthest from the ground come late.
+/// Returns the order kCamd. Among equivalent orders, one is chosen in which contacts on the robots furthest from the
+/// ground come late.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
-/// Returns Order::kLeafToRoot. by_degree: camd_order, from which the order of contact rows is taken.
+/// Returns the order kLeafToRoot. by_degree: the result of camd_order, from which the order of contact rows is taken.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
-/// Returns Order::kContactsEarly, from J in a configuration without symmetry: it depends on types, axes and placements
-/// on A. Robots are in the island's order or, if clearly cheaper, in CAMD's order of the graph of coupled robots.
+/// Returns the order kContactsEarly, from J in configurations without symmetry. It depends on the types, axes and
+/// placements on A of contacts. Robots are in the island's order or, if clearly cheaper, in CAMD's order of the graph
+/// of coupled robots.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 
-/// Analyses K in one of these orders; perm: the order. K: natural_pattern.
+/// Returns the pattern and symbolic factorization of K in the order `perm`, one of those above. K: natural_pattern.
 KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
                    Order order, std::vector<int> perm);
 
 // Overdetermined islands have far more contact rows than coordinates, e.g. a thousand points on one sole. Nearly all
-// rows are redundant, and a sparse factor is full: its cost is cubic in the contacts, the dense method's linear.
+// rows are redundant, and a sparse factor is full, so that its cost is cubic in the number of contacts. The cost of the
+// dense method is linear.
 
-/// Whether kAuto chooses the dense method.
+/// Whether an island is overdetermined, so that kAuto chooses the dense method.
 inline bool overdetermined(const Island& island) {
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 
-/// Whether the dense method replaces sparse methods with an order, too, as their factors would need too much memory.
+/// Whether the dense method replaces sparse methods that have an order, as their factors would need too much memory.
 inline bool too_full_for_sparse(const Island& island) {
   return island.nc >= tolerance::kTooFull && overdetermined(island);
 }

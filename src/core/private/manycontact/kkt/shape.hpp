@@ -1,5 +1,6 @@
 #pragma once
-// Islands with equal trees and contacts share all analyses (patterns, orders), which do not depend on the state.
+// Analyses of islands (patterns, orders). They do not depend on the state, and islands with equal trees and contacts
+// share them.
 
 #include <array>
 #include <memory>
@@ -15,18 +16,19 @@
 
 namespace manycontact {
 
-/// The part of an island that determines patterns and orders. The first call of each function computes an analysis.
+/// The properties of an island that determine patterns and orders, and its analyses. The first call of each function
+/// computes an analysis.
 class IslandShape {
  public:
   IslandShape(const Scene& scene, const Island& island);
 
-  const Scene& scene() const { return scene_; }     // the island's robots and contacts only, numbered as in it
+  const Scene& scene() const { return scene_; }     // a scene of only the island's robots and contacts, in its order
   const Island& island() const { return island_; }  // all of scene() as one island
-  /// Returns the joint-space support. It grows with the squared depth of trees, as do all members below except
-  /// bodies().
+  /// Returns the columns of J. The size of this analysis is quadratic in the depth of trees, as are those of all
+  /// members below except bodies() and body_subtrees().
   const IslandSupport& support() const;
 
-  /// Returns the permutation of K's rows. Only kContactsEarly's depends on the contacts' positions on their bodies.
+  /// Returns the permutation of K's rows. Only that of kContactsEarly depends on the positions of contacts on bodies.
   const std::vector<int>& permutation(Order order);
   /// Returns counts of K's factor in that order, without computing the factor's pattern.
   const sparse::LdlCounts& counts(Order order);
@@ -51,8 +53,8 @@ class IslandShape {
 };
 
 /// The shapes that were requested so far. The key of a shape has all inputs of an analysis, compared number by number.
-/// Positions of points on bodies affect only the permutation kContactsEarly. Islands that differ only in positions
-/// share a shape if their permutations agree, except in trees too deep for the permutation.
+/// Positions of contacts on bodies affect only the order kContactsEarly. Islands that differ only in these positions
+/// share a shape if they have the same order kContactsEarly. Trees that are too deep for that order do not.
 class ShapeCache {
  public:
   /// Returns the island's shape; allocates nothing for trees and contacts that were requested before.

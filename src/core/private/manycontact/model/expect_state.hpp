@@ -7,15 +7,16 @@
 
 namespace manycontact {
 
-/// Throws std::invalid_argument "FUNCTION: WHAT has 3 numbers, expected 4" unless given equals expected.
+/// Throws std::invalid_argument "FUNCTION: WHAT has 3 numbers, expected 4" unless `given` equals `expected`.
 inline void expect_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
   if (given != expected)
     throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
                                 " numbers, expected " + std::to_string(expected));
 }
 
-/// Returns why q (nq numbers) is no configuration of these robots, or "". Either a number is not finite, or the norm of
-/// a floating joint's quaternion differs from 1 by more than `tolerance` (default: as in solve). `what`: "q".
+/// Returns why q (nq numbers) is not a configuration of these robots, or "" if it is one. Either a number is not
+/// finite, or the norm of a floating joint's quaternion differs from 1 by more than `tolerance` (by default that of
+/// solve). what: the name of q in the text.
 std::string unusable_configuration(const char* what, const ConstVectorRef& q, const RigidBodies& bodies,
                                    double tolerance = tolerance::kQuaternion);
 

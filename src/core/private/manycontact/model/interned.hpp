@@ -1,5 +1,5 @@
 #pragma once
-// Objects that all users with equal keys share while any user exists.
+// Objects that are shared by all users with equal keys, as long as any user exists.
 
 #include <algorithm>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace manycontact {
 
-/// Keys of objects: numbers, bits of doubles, addresses. SharedWords: a key that several tables share.
+/// The key of an object: numbers, bits of doubles, addresses. Several tables may share a key as SharedWords.
 using Words = std::vector<std::uint64_t>;
 using SharedWords = std::shared_ptr<const Words>;
 

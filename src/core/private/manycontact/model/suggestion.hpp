@@ -1,5 +1,5 @@
 #pragma once
-// Wording of messages about unknown names, in files and in code.
+// Texts of messages about unknown names, for files and for functions.
 
 #include <string>
 #include <string_view>
@@ -9,19 +9,21 @@
 
 namespace manycontact {
 
-/// Returns 'text' in quotes, shortened if long.
+/// Returns `text` in quotes, shortened if it is long.
 std::string quote(std::string_view text);
 
-/// Returns "expected one of 'a', 'b', 'c'" if few names are known, otherwise "did you mean 'x'?".
+/// Returns "expected one of 'a', 'b', 'c'" if few names are known, otherwise "did you mean 'x'?" with the name that is
+/// most similar.
 std::string suggestion(const std::string& name, const std::vector<std::string>& known);
 
-/// Explain that no robot, frame of a robot, or movable joint has this name: its actual kind, or a suggestion.
+/// Return the text of an error about a name that no robot, frame of a robot, or movable joint has, with a suggestion
+/// or, for a joint that is fixed or locked, the reason.
 std::string no_robot(const Scene& scene, const std::string& name);
 std::string no_frame(const std::string& robot, const Model& model, const std::string& name);
 std::string no_joint(const Model& model, const std::string& name);
 
-/// Return the number of the robot or contact of that name. contact_at checks `number` and returns it. They throw
-/// std::invalid_argument with a suggestion, contact_at with the name of `function`.
+/// Return the number of the robot, or of the contact, of that name. They throw std::invalid_argument with a suggestion
+/// if there is none. contact_at returns `number`, and throws with the name of `function` if there is no such contact.
 int robot_called(const Scene& scene, const std::string& name);
 int contact_called(const Scene& scene, const std::string& name);
 int contact_at(const Scene& scene, int number, const char* function);

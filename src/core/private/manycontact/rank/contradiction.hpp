@@ -1,7 +1,7 @@
 #pragma once
-// Decides whether redundant contacts are inconsistent. The definition (mathematics.md, Redundant contacts) is |P (J a +
-// a0)| > 1e-8 (| |J| |a| | + |a0|) in maximum norms. P projects on the null space of J^T. Left sides within rounding
-// errors of a0's terms are consistent, too. In SIMD batches the scalar S has one value per robot.
+// Decides whether redundant contacts are inconsistent. They are (mathematics.md, Redundant contacts) if |P (J a + a0)|
+// > 1e-8 (| |J| |a| | + |a0|) in maximum norms, unless P (J a + a0) is within the rounding errors of a0's terms. P is
+// the projector on the null space of J^T. In SIMD batches the scalar S has one value per robot.
 
 #include <cmath>
 #include <limits>
@@ -11,7 +11,7 @@
 
 namespace manycontact::rank {
 
-/// Returns the larger of two non-negative numbers; NaN if one is NaN.
+/// Returns the larger of two non-negative numbers, or NaN if one is NaN.
 template <class S>
 S larger_or_nan(const S& a, const S& b) {
   return select(b <= a, a, select(a <= b, b, S(a + b)));
@@ -25,9 +25,9 @@ struct RowOfContradiction {
   S left;   // the row's entry of P (J a + a0)
 };
 
-/// Rounding errors that the projector P transfers between rows. A null vector y has sum y_k J_k = 0, so |P_jk| is at
-/// most about s_j / s_k and s_k / s_j, with the rows' sizes s. From all rows j, row k receives at most min(s_k max(t_j
-/// / s_j), max(t_j s_j) / s_k, max t_j), with the terms t of a0.
+/// Bounds the rounding errors that the projector P transfers between rows. A null vector y has sum y_k J_k = 0, so that
+/// |P_jk| is at most about s_j / s_k and s_k / s_j, with the rows' sizes s. From all rows j, row k receives at most
+/// min(s_k max(t_j / s_j), max(t_j s_j) / s_k, max t_j), with the terms t of a0.
 template <class S>
 class PassedRounding {
  public:
@@ -48,7 +48,8 @@ class PassedRounding {
   S by_lever_ = S(0), by_force_ = S(0), largest_ = S(0);
 };
 
-/// Largest entries of P (J a + a0), |J| |a| and a0; largest residual relative to its terms; range of row sizes.
+/// The numbers that decide whether contacts are inconsistent: the largest entries of P (J a + a0), |J| |a| and a0, the
+/// largest entry of P (J a + a0) relative to its row's terms, and the range of row sizes.
 template <class S>
 struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
@@ -59,7 +60,7 @@ struct Contradiction {
     Ja = larger(its_Ja, Ja);
     a0 = larger(its_a0, a0);
   }
-  /// Takes rows into account; calls each_row(use(RowOfContradiction)) twice. Rows of size 0 are ignored.
+  /// Takes rows into account. each_row(use) must call use(RowOfContradiction) for each row; it is called twice.
   template <class EachRow>
   void add_rows(EachRow&& each_row) {
     using std::abs;
@@ -82,7 +83,7 @@ struct Contradiction {
     least_row = -larger(-other.least_row, -least_row);
     largest_row = larger(other.largest_row, largest_row);
   }
-  /// Returns the inconsistency of one robot of a SIMD batch.
+  /// Returns the numbers of one robot of a SIMD batch.
   Contradiction<double> of_lane(int lane) const {
     return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
   }

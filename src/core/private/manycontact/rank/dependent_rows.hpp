@@ -1,6 +1,6 @@
 #pragma once
 // L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may be dependent. Rows without a remaining pivot are
-// dropped, and the null space of J^T gives their dependence on the kept rows. Everything is in K's elimination order,
+// dropped, and the null space of J^T gives their dependence on the kept rows. All vectors are in K's elimination order,
 // and of_M flags the rows of M. Rows of M may follow a row of J if earlier rows of M give the row of J a pivot.
 //
 // For a dropped row k, K's factor without row k gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = row k of
@@ -8,8 +8,8 @@
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// solves M a + J^T y = b1 with least-squares J a = b2 (Euclidean norm), M-orthogonal to J's null space, and y of least
-// norm. This is the solution of dense rank-revealing methods, at little more than the cost of a sparse solve.
+// solves M a + J^T y = b1 and J a = b2 in the least-squares sense (Euclidean norm), with y of least norm. This is the
+// solution of dense rank-revealing methods, at little more than the cost of a sparse solve.
 
 #include <span>
 
@@ -18,25 +18,25 @@
 
 namespace manycontact::rank {
 
-/// The dropped rows of K, N and its projector. Memory is reused: nothing is allocated for the same dependences.
+/// The dropped rows of K, the null space basis N and its projector. The same dependences as before allocate nothing.
 struct DependentRows {
-  std::vector<int> dropped;     // rows of K: first plainly dependent rows, then dependent waiting rows, each ascending
-  std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; or empty
+  std::vector<int> dropped;     // rows of K: first rows flagged in `plain`, then dependent waiting rows, each ascending
+  std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; may be empty
   WaitingRows waiting;          // kept rows without a sound pivot in K's order, and rows that depend on them
   std::vector<char> plain;      // one flag per dropped row: the residual of its column of N is only rounding error
   std::vector<int> Np, Ni;      // N, a column per dropped row: column k's rows of K are Ni[Np[k]] ...
   std::vector<double> Nx;       // values of N, by columns; the first is the dropped row's own 1
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
-  double largest_projected = 0;  // max |z_j| of columns not orthonormalised: P's error is eps times its square
+  double largest_projected = 0;  // max |z_j| of columns that are not orthonormalised; eps z_j^2 is the error of P
   int largest_cluster = 0;  // largest number of entries of B in a cluster
 
-  /// Whether the dropped rows depend on the kept rows with tolerable z_j, after find_null_space: residuals of J are
-  /// rounding errors, and columns that are not orthonormalised have no large z_j (kRowLeft, kLargestEntry).
+  /// Whether the dropped rows depend on the kept rows: after find_null_space, J^T N is a rounding error (kRowLeft), and
+  /// columns of N that are not orthonormalised have no large z_j (kLargestEntry).
   bool accepted() const;
 
-  /// A cluster: dropped rows whose columns of N share rows. It is projected by the smaller of two bases B: its columns
-  /// N = [1; -Z] in dropped and kept rows, or the columns [Z^T; 1] of the complement.
+  /// Dropped rows whose columns of N share rows. The projector of a cluster uses the smaller of two bases B: its
+  /// columns N = [1; -Z], in dropped and kept rows, or a basis [Z^T; 1] of their orthogonal complement.
   struct Cluster {
     int first = 0, count = 0;  // range in `members`
     int row = 0, row_end = 0;  // range in `cluster_rows` of the rows of K in which its columns of N have entries
@@ -56,15 +56,16 @@ struct DependentRows {
   std::vector<double> least, terms, x, panel, t;
   std::vector<int> owner;
   static constexpr int kColumns = 8;  // columns of a panel; a panel has one row for each row of K
-  std::vector<double> N, residual;    // panels: kColumns columns of N, and J^T times these; all rows are zero except:
-  std::vector<int> of_N, touched;     // rows in which N, and rows in which residual, may be nonzero
+  std::vector<double> N, residual;    // panels: kColumns columns of N, and J^T times these
+  std::vector<int> of_N, touched;     // the only rows in which N, and in which residual, may be nonzero
   std::vector<char> met;              // one flag per row of K: the row is listed in of_N or touched
-  std::vector<int> Jp, Ji;            // entries of row k of J, from Jp[k] on: K's slots; columns in rows of M after k
+  std::vector<int> Jp, Ji;            // entries of row k of J in columns after k: pairs (slot, column) at Ji[Jp[k]] ...
   bool M_first = true;                // whether no row of M follows a row of J
 };
 
-/// Sets least (n), the least pivots relative to their terms. A row of J waits if its pivot, or the row itself, does not
-/// exceed `margin` times its rounding error (rank/pivots.hpp); rows of M never wait. row_size: n sizes of rows of J.
+/// Computes least (n), the limits of pivots relative to their terms below which rows wait. A row of J waits if its
+/// pivot, or the row itself, does not exceed `margin` times its rounding error (rank/pivots.hpp). Rows of M never wait.
+/// row_size: n sizes of rows of J.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
@@ -79,37 +80,39 @@ void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const c
                                        std::span<const char> of_M, double margin, const double* row_size,
                                        sparse::LdlWorkspace& work, double* Lx, double* D, DependentRows& rows);
 
-/// Computes N and its projector for the rows in `dropped`. row_scale: sizes of rows of J; solve: K_kept^-1 by L and D.
-/// Sets largest_entry, and largest_residual, which is a rounding error if the rows are dependent.
+/// Computes N and its projector for the rows in rows.dropped. row_scale: sizes of rows of J; solve: applies K_kept^-1
+/// by L and D. Sets largest_entry, and largest_residual, which is a rounding error if the rows are dependent.
 void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
-/// Computes the clusters and their projectors from N; n: rows of K.
+/// Computes the clusters and their projectors from N. n: number of rows of K.
 void make_projector(int n, DependentRows& rows);
 
-/// After find_null_space, exchanges dropped rows with kept rows of their columns of N until no entry of N exceeds
-/// kExchanged (tolerances.hpp). The caller factorizes again. False: nothing was exchanged, or a cluster is too large.
+/// After find_null_space, exchanges dropped rows with kept rows in which their columns of N have entries, until no
+/// entry exceeds kExchanged (tolerances.hpp). Clusters that are too large are left out. Returns whether rows were
+/// exchanged; the caller must then factorize again.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Determines which waiting rows are dependent, after ldl_factor_dependent, and computes N and its projector. Rows that
-/// are not plainly dependent on earlier rows join the kept rows by their Schur complement. Rows that depend on all kept
-/// rows are dropped. False: rounding hides which rows are dependent.
+/// Determines which waiting rows are dependent, after ldl_factor_dependent, and computes N and its projector. Rows
+/// whose dependence on earlier rows is certain are dropped. The others join the kept rows by their Schur complement,
+/// unless it shows that they depend on all kept rows. Returns false if rounding hides which rows are dependent.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);
 
-/// Overwrites X with K_kept^-1 X, by `solve` (L and D) and the Schur complement of the waiting rows.
+/// Overwrites X with K_kept^-1 X, by `solve` (with L and D) and the Schur complement of the waiting rows. X: the first
+/// `cols` columns of a row-major panel with row stride ld.
 void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve);
 
 /// Returns the sizes relative to which residuals are judged, from scale = |b| + |K| |x| (n). For a dropped row it is
 /// |N|^T scale, since errors of kept rows reach it with the coefficients z_j. The memory is that of `rows`.
 std::span<const double> scale_of_dependent(DependentRows& rows, std::span<const double> scale);
 
-/// Sets y -= P y, and null_component = P y (n) if it is given. y: n, in K's order; entries of M's rows are not used.
+/// Subtracts P y from y (n, in K's order), and adds P y to null_component (n) if given. Rows of M are not used.
 void project_out(DependentRows& rows, double* y, double* null_component = nullptr);
-/// Sets Y -= P Y in columns first ... first+cols-1 of a row-major panel with row stride ld; row k of K is row[k] of X.
-/// nonzero: one flag per row of K, read and updated: its row of X may be nonzero there; nullptr: all may be.
+/// Subtracts P X from X in columns first ... first+cols-1 of a row-major panel with row stride ld. Row k of K is row
+/// row[k] of X. nonzero: one flag per row of K, which is read and updated: the row may be nonzero in these columns.
 void project_out_panel(DependentRows& rows, const int* row, double* X, int ld, int first, int cols,
                        char* nonzero = nullptr);
 

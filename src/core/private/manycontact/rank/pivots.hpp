@@ -1,6 +1,6 @@
 #pragma once
-// Criteria for pivots of L D L^T = K = [M J^T; J -delta I], in any elimination order: whether a pivot, or its row of J,
-// exceeds its rounding error. All factors use these criteria. In SIMD batches the scalar S has one value per robot.
+// Criteria for pivots of L D L^T = K = [M J^T; J -delta I] in any elimination order. They decide whether a pivot, or
+// its row of J, exceeds its rounding error. In SIMD batches the scalar S has one value per robot.
 
 #include <algorithm>
 #include <cmath>
@@ -21,27 +21,29 @@ struct Pivot {
   S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative: `own` is not judged
 };
 
-/// Whether the pivot exceeds `margin` times its rounding error. An entry M_kk must also exceed that of the pivot: if
-/// terms of rows of J swamp M_kk, these rows had no sound pivots. False for infinite or NaN terms.
+/// Whether the pivot exceeds `margin` times its rounding error. For a row of M, M_kk must also exceed this error: if
+/// the terms of rows of J are much larger than M_kk, these rows had no sound pivots. For a row of J, its largest entry
+/// must exceed `margin` times its rounding error. False for infinite or NaN terms.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
   const S own = p.of_M ? least : S(margin * tolerance::kRank) * p.row_size;
   return (size > least) & (p.own > own);
 }
-/// Whether the pivot is positive in a row of M, negative in a row of J; sound pivots of K are so in any order.
+/// Whether the pivot is positive in a row of M, negative in a row of J, as all sound pivots of K are in any order.
 template <class S>
 auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);
 }
 
-/// Elimination amplifies the error of a small pivot of J (damping 0) in later rows, where it may look like a pivot. If
-/// two pivots are r and s relative to their terms, r s must exceed the rounding error. Exempt are pairs of pivots of M,
-/// which small masses make small. Each pivot is compared with all earlier pivots.
+/// Rejects pivots that may be errors of earlier pivots. At damping 0, elimination amplifies the error of a small pivot
+/// of J in later rows, where it may look like a pivot. If two pivots are r and s relative to their terms, r s must
+/// exceed the rounding error, except for two pivots of M, which small masses make small. Each pivot is compared with
+/// all earlier pivots.
 template <class S>
 struct PassedOn {
   S least = S(1), least_of_J = S(1);  // least |d| / terms so far, of all pivots and of J's pivots
-  /// Whether the next pivot passes; left: its |d| / terms.
+  /// Whether the next pivot is accepted. left: its |d| / terms.
   auto accepts(bool of_M, const S& left) {
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
@@ -50,7 +52,8 @@ struct PassedOn {
   }
 };
 
-/// Compares pivots as PassedOn does, but only along an elimination tree: errors reach only a pivot's ancestors.
+/// Compares pivots as PassedOn does, but only with pivots below them in the elimination tree, since errors reach only a
+/// pivot's ancestors.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)
@@ -71,10 +74,10 @@ class PassedOnInTree {
   std::vector<PassedOn<double>>& at_;
 };
 
-/// Whether some pivot is only rounding error, judged by L more sharply than by PassedOn. A pivot's error is its terms'
-/// rounding error plus l^2 times the errors of earlier pivots, except between pivots of M. (In a tall tower, pivots of
-/// contacts are small relative to their terms, but hardly affect pivots of contacts below.) Rows without a pivot have
-/// infinite D and no L. terms: of the pivots; noise: scratch, n.
+/// Whether some pivot is only a rounding error, with bounds from L that are sharper than those of PassedOn. A pivot's
+/// error is its terms' rounding error plus l^2 times the errors of earlier pivots, except between pivots of M. (In a
+/// tall tower, pivots of contacts are small relative to their terms, but hardly affect pivots of contacts below.) Rows
+/// without a pivot have infinite D and zeros in L. terms: magnitudes of the pivots' terms; noise: scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

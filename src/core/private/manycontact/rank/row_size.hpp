@@ -1,13 +1,14 @@
 #pragma once
-// The sizes relative to which contact rows are judged: the motions from which a row of J is selected, and the terms of
-// the row's a0. Smaller rows or residuals are rounding errors. In SIMD batches the scalar has one value per robot.
+// The sizes relative to which contact rows are judged: the size of the motion from which a row of J is selected, and
+// the terms of the row's a0. Rows and residuals that are tiny relative to these are rounding errors. In SIMD batches
+// the scalar S has one value per robot.
 
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Returns the largest motion from which row k of a contact is selected; call it after contact_rows. For points it is
-/// motion_scale, at least a hundredth of the rotation times the moment arms; for rotations it is the rotation alone.
+/// Returns the largest motion from which row k of a contact is selected: for k < 3 that of the contact's point
+/// (MotionSizes::of_point), otherwise the rotation. Rows of a pair are sums of both. Call it after contact_rows.
 template <class S>
 S row_size(const MotionSizes<S>& of, const Contact& contact, const ContactData<S>& data, int k) {
   if (contact.pair) return data.pair->terms(k, 0) * of.of_point + data.pair->terms(k, 1) * of.turning;
@@ -29,7 +30,8 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a tree frame's origin in units of eps; zero if joints displace it along constant axes only.
+/// Returns the error of the origin of a joint's tree frame in units of eps. It is zero if joints displace the origin
+/// along constant axes only.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -43,7 +45,7 @@ S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   return off ? largest_entry<S>(kin.origins[tree].p) : S(0);
 }
 
-/// Weights of displacements and of rotations in row i of a contact.
+/// The weights of displacements and of rotations in a row of a contact. row_weights returns those of row i.
 template <class S>
 struct RowWeights {
   S linear, angular;
@@ -58,8 +60,9 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
   return row_weights<S>(data.pair ? &*data.pair : nullptr, i);
 }
 
-/// The largest terms of a contact's a0: of a point's motion [m/s^2] for rows 0 to 2, of rotation [rad/s^2] for the
-/// others. Neither bounds the other if lengths are micrometres. Rows of a pair are sums of both kinds of terms.
+/// The largest terms of a contact's a0: `linear` for the motion of its point [m/s^2], rows 0 to 2, `angular` for the
+/// rotation [rad/s^2], the other rows. Neither bounds the other if lengths are micrometres. Rows of a pair are sums of
+/// both kinds of terms.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
@@ -71,7 +74,7 @@ struct RowTerms {
 };
 
 /// Returns the largest terms of a contact's a0: accelerations (including gravity), products of velocities, and gains
-/// times placements, whose difference is the error. origin: error of the bodies' origins, in units of eps.
+/// times the placements whose difference is the contact's error. origin: rounding error of the bodies' origins / eps.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const S& origin) {
   const auto largest = [](const auto& x) { return largest_entry<S>(x); };
@@ -88,7 +91,8 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
           accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
-/// Returns row_terms with `origin` from the robots of A and B; A, kinA, B, kinB: their data; unused for a fixed B.
+/// Returns row_terms with `origin` computed from A, kinA, B and kinB, the models and kinematics of the robots of A and
+/// B. Those of an immovable frame are not used.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
                       const Model& B, const Kinematics<S>& kinB) {
@@ -98,8 +102,8 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
   return row_terms<S>(contact, data, origin);
 }
 
-/// Returns row_terms, but at least the bodies' velocities and accelerations about the tree's base, which may cancel at
-/// the contact. place: position of B in the world [m].
+/// Returns row_terms, raised to the accelerations that the bodies' motions about the tree frame's origin give at the
+/// contact, where their terms may cancel. place: position of B in the world [m].
 template <class S>
 RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>& data, const Model& A,
                                     const Kinematics<S>& kinA, const Model& B, const Kinematics<S>& kinB,
@@ -116,7 +120,7 @@ RowTerms<S> bias_acceleration_terms(const Contact& contact, const ContactData<S>
     most.linear = larger(larger(largest, S(turned * lever)), most.linear);
   };
   add_body(contact.A, kinA, data.aMA.p), add_body(contact.B, kinB, data.bMA.p);
-  // A placement in the world is exact up to its own digits, however far away it is.
+  // The rounding error of a placement in the world is relative to its distance from the origin.
   if (contact.B.robot < 0) most.linear = larger(S(S(std::abs(contact.alpha)) * largest_entry<S>(place)), most.linear);
   return most;
 }

@@ -1,7 +1,7 @@
 #pragma once
-// Weights of translational and rotational contact rows (Scene::moment_length). They affect least-norm forces and least
-// squares of inconsistent rows, but not solutions of independent rows. If rows may be dependent, the contact rows of K
-// and b are multiplied by S = diag(1, or the length for rotational rows). K's unknown y is then -f divided by S.
+// Weights of contact rows: 1 for translational rows, Scene::moment_length for rotational rows. They affect least-norm
+// forces and least squares of inconsistent rows, but not solutions of independent rows. If rows may be dependent, the
+// contact rows of K and b are multiplied by the diagonal matrix S of these weights, and K's unknown y is -S^-1 f.
 
 #include <cmath>
 #include <span>
@@ -10,18 +10,19 @@
 
 namespace manycontact::internal {
 
-/// Whether damping and moment_length are usable; check_input reports the unusable number.
+/// Whether damping and moment_length are valid. check_input reports an invalid number.
 inline bool usable_numbers(const Scene& scene) {
   return scene.damping >= 0 && std::isfinite(scene.damping) && scene.moment_length > 0 &&
          std::isfinite(scene.moment_length);
 }
 
-/// Returns the weight of a contact's row; 1 with damping (all rows are then independent), and for weighted pairs.
+/// Returns the weight of a contact's row. It is 1 with damping, where rows need not be dropped, and for pairs, which
+/// have weighted rows already.
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }
 
-/// Whether any weight is not 1. Dependent rows are then dropped only from the whole, weighted K.
+/// Whether the weight of any row is not 1. If so, dependent rows can be dropped only from the whole, weighted K.
 inline bool has_row_units(const Scene& scene, std::span<const int> contacts) {
   if (scene.damping > 0 || scene.moment_length == 1) return false;
   for (int c : contacts)

@@ -1,11 +1,11 @@
 #pragma once
-// Waiting rows B^T of J have no sound pivot in K's order. They join the other rows, K1, by their Schur complement
+// Waiting rows B^T of J have no sound pivot in K's order. They join the other rows, K1, by their Schur complement S
 //
 //     K = [K1 B; B^T 0]        Z = K1^-1 B        -S = B^T Z >= 0
 //
-// Cholesky factorization of -S takes the largest pivot first, relative to the terms of each row. A row that only came
-// too early in K's order has a sound pivot there. A dependent row leaves only rounding error. Sources: Duff, Reid, ACM
-// Trans. Math. Softw. 9 (1983), sec. 2, for delayed pivots; Golub, Van Loan, Matrix Computations, sec. 4.2.8.
+// A Cholesky factorization of -S takes the largest pivot first, relative to the terms of each row. A row that only came
+// too early in K's order has a sound pivot there; a dependent row leaves only a rounding error. Sources: Duff, Reid,
+// ACM Trans. Math. Softw. 9 (1983), sec. 2, for delayed pivots; Golub, Van Loan, Matrix Computations, sec. 4.2.8.
 
 #include <functional>
 #include <span>
@@ -15,15 +15,16 @@
 
 namespace manycontact::rank {
 
-/// Computes X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld, rows in K's order.
+/// A function that computes X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld,
+/// whose rows are in K's order.
 using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 
-/// The waiting rows and their factor. Memory is reused: nothing is allocated for at most as many rows as before.
+/// The waiting rows and their factor. Nothing is allocated for at most as many rows as before.
 struct WaitingRows {
-  std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the rest is dependent
+  std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the others are dependent
   int joined = 0;
-  std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that K1 lacks
-  std::vector<double> scale;  // 1 / sqrt(terms of the pivot) of each waiting row
+  std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that are not in K1
+  std::vector<double> scale;  // one entry per waiting row: 1 / sqrt(terms of its pivot)
   std::vector<double> L;      // Cholesky factor of scale (-S) scale, by rows, as wide as `rows`
   std::vector<int> place;     // one entry per row of K: its index in the original `rows`, or -1
 
@@ -32,14 +33,16 @@ struct WaitingRows {
   std::vector<int> same, order, old_rows;  // same: the numbers 0, 1, 2 ...
 };
 
-/// Joins the waiting rows w.rows; dependent rows move to the end of w.rows. Lx, D: factor of K1, with infinite D in
-/// each row that K1 lacks. of_M: flags of K's rows. row_size: n sizes of J's rows (rank/row_size.hpp).
+/// Computes the factor of the waiting rows w.rows, and moves dependent rows to the end of w.rows. Lx, D: factor of K1,
+/// with infinite D in rows that are not in K1. of_M: flags of K's rows. row_size: n sizes of J's rows
+/// (rank/row_size.hpp).
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);
 
-/// Compute the joined rows' part of a solution. before_solve stores right-hand sides in w.G, and after_solve overwrites
-/// w.G. X: a row-major panel of cols columns with row stride ld; row k of K is row[k] of X, or k for nullptr.
+/// Add the joined rows to a solve with K1. Call before_solve with the right-hand sides X, solve with K1, then call
+/// after_solve. w.G has the joined rows' solution in between. X: a row-major panel of cols columns with row stride ld;
+/// row k of K is row row[k] of X, or row k if row is nullptr.
 void before_solve(WaitingRows& w, const int* row, const double* X, int ld, int cols);
 void after_solve(WaitingRows& w, const int* row, double* X, int ld, int cols);
 

@@ -1,6 +1,6 @@
 #pragma once
-// The unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, with the range of a double. It is the
-// scalar of the forward path in precision `extended`. Compile with -ffp-contract=off.
+// DoubleDouble is the unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2. It has 106 bits and the range of
+// a double, and is the scalar of forward dynamics in precision `extended`. Compile it with -ffp-contract=off.
 //
 // Sums, products and quotients are AccurateDWPlusDW, DWTimesDW2 and a long division. Relative errors of a sum and of a
 // product are below 2^-103. Sources: Dekker, Numerische Mathematik 18 (1971); Knuth, The Art of Computer Programming 2,
@@ -101,7 +101,7 @@ inline DoubleDouble sqrt(const DoubleDouble& a) {
 }
 
 namespace detail {
-/// 1/n! as constant expressions: code compiled for a SIMD level must not run before the level is chosen.
+/// The numbers 1/n!. They are constants since code compiled for a SIMD level must not run before the level is chosen.
 inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1p+0, 0},
                                                       {0x1p-1, 0},
@@ -127,7 +127,8 @@ inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1.0ce396db7f853p-70, -0x1.aebcdbd20331cp-124},
                                                       {0x1.761b41316381ap-75, -0x1.3423c7d91404fp-130},
                                                       {0x1.f2cf01972f578p-80, -0x1.9ada5fcc1ab14p-135}};
-/// Returns the sum of power^k / (first + step k)!, k = 0 ... terms-1, last term first; terms from `small` on in double.
+/// Returns the sum of power^k / (first + step k)! over k = 0 ... terms-1, from the last term to the first. Terms from k
+/// = `small` on are computed in double.
 inline DoubleDouble series(const DoubleDouble& power, int first, int step, int terms, int small) {
   const auto factor = [&](int k) { return kInverseFactorials[first + step * k]; };
   double tail = 0;
@@ -139,7 +140,7 @@ inline DoubleDouble series(const DoubleDouble& power, int first, int step, int t
 }
 }  // namespace detail
 
-/// Computes sine s and cosine c of an angle [rad]; NaN for angles beyond 2^50.
+/// Computes the sine s and cosine c of an angle [rad]. They are NaN for angles beyond 2^50.
 inline void sin_cos(const DoubleDouble& angle, DoubleDouble& s, DoubleDouble& c) {
   // pi/8 in three doubles, whose multiples are exact enough up to 2^50
   constexpr double kEighth[3] = {0x1.921fb54442d18p-2, 0x1.1a62633145c07p-56, -0x1.f1976b7ed8fbcp-112};
@@ -182,7 +183,7 @@ inline DoubleDouble tan(const DoubleDouble& x) {
   sin_cos(x, s, c);
   return s / c;
 }
-/// Returns the angle of the point (x, y): the angle in double and one correction, with an error of third order.
+/// Returns the angle of the point (x, y), computed in double and corrected once, which leaves an error of third order.
 inline DoubleDouble atan2(const DoubleDouble& y, const DoubleDouble& x) {
   const double angle = std::atan2(y.hi, x.hi);
   if (!std::isfinite(angle) || (y.hi == 0 && x.hi == 0)) return angle;

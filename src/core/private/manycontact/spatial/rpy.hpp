@@ -1,5 +1,5 @@
 #pragma once
-// Rotations by roll, pitch and yaw, as in URDF.
+// Rotations given by roll, pitch and yaw, as in URDF.
 
 #include "manycontact/spatial/se3.hpp"
 

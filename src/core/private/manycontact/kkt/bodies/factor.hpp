@@ -1,5 +1,5 @@
 #pragma once
-// The body-space system (system.hpp) and its factor (ldl.hpp), with vectors and panels in the island's order.
+// Solves with the body-space system (system.hpp) and its factor (ldl.hpp).
 
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -12,18 +12,19 @@ struct BodySolve {
   void resize(const BodyPattern& p);
 };
 
-/// Solves for v.x, refined with the residuals of single bodies, so that rounding errors do not add up along chains.
+/// Solves for v.x with right-hand sides v.b. Refines with the residuals of each body's own equations, so that rounding
+/// errors do not add up along chains.
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
-/// Solves as solve_refined does, after factorize_bodies was called with b = v.b, so without the first backward sweep.
+/// Solves as solve_refined does, but without the first backward sweep, which factorize_bodies did with b = v.b.
 sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
 /// Returns the number of entries of a factor, for Factor::nonzeros.
 int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
 
-/// Factor and solves of a body-space system, with vectors and panels in the island's order.
+/// A body-space system with its factor, and solves in joint space, with vectors and panels in the island's order.
 class BodyFactor {
  public:
-  /// Allocates no memory; call make_room before other functions.
+  /// Allocates no memory. Call make_room, which does, before other functions.
   explicit BodyFactor(std::shared_ptr<const BodyPattern> pattern) { system.pattern = std::move(pattern); }
   void make_room();
 

@@ -1,21 +1,24 @@
 #pragma once
-// Block L D L^T of a body-space system (system.hpp) from the leaves to the root, without forming the system: the
-// articulated-body algorithm with contact rows. Eliminating a node's subtree leaves for the node's body
+// Block L D L^T of a body-space system (system.hpp) from the leaves to the root, without forming the system. This is
+// the articulated-body algorithm with contact rows. After elimination of a node's subtree, the solution for the node's
+// body makes this function stationary:
 //
-//   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      a: its acceleration, y: forces of rows still open
+//   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      a: its acceleration, y: forces of rows not yet eliminated
 //
-// (stationary in a and y). Eliminating the joint, with motion subspace S, U = P S, D = S^T U + armature, W = G S:
+// Rows not yet eliminated are called open. Elimination of the joint with motion subspace S, U = P S, D = S^T U +
+// armature, W = G S changes
 //
 //   P -= U D^-1 U^T,   G -= W D^-1 U^T,   E += W D^-1 W^T
 //
-// and eliminating a row k, once its bodies are in the subtree and joints gave E_kk a pivot (tolerance::kRowMoves):
+// A row k is eliminated when its bodies are in the subtree and joints gave it a pivot E_kk (tolerance::kRowMoves):
 //
 //   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
 //
-// A translation X takes P, p, G to the parent. Independent rows leave at most tolerance::kMostOpen rows open, so the
-// cost is linear in the bodies; rows between distant bodies stay open up to a common ancestor. Rows open at the bases
-// form a dense system. Sources: Featherstone (2008), table 7.1; for contact rows Popov, Vereshchagin, Zenkevich (1978),
-// Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows between two bodies, are ours.
+// A translation X transforms P, p, G to the parent. Of independent rows within subtrees, at most tolerance::kMostOpen
+// remain open, so that the cost is linear in the bodies. Rows between distant bodies remain open up to a common
+// ancestor. Rows open at the bases form a dense system. Sources: Featherstone (2008), table 7.1; for contact rows
+// Popov, Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows
+// between two bodies, are ours.
 
 #include "manycontact/kkt/bodies/system.hpp"
 #include "manycontact/kkt/reason.hpp"
@@ -23,22 +26,23 @@
 
 namespace manycontact {
 
-/// Rows G = Q R that constrain a body, G^T a = g. They determine its acceleration a along Q, so that the children's
-/// inertia along Q has no effect:
+/// The projection of a body that rows G = Q R constrain relative to the world, G^T a = g. The rows determine the body's
+/// acceleration a along Q, so that the children's inertia C along Q has no effect. With a_g = Q R^-T g, N = 1 - Q Q^T
+/// and a = N a + a_g, the children's C, p and open rows G_j, g_j become
 ///
-///   a = N a + a_g,  a_g = Q R^-T g,  N = 1 - Q Q^T:
-///   C <- N C N,  p <- N (p + C a_g),  G_j <- N G_j,  g_j <- g_j - G_j^T a_g      C, p, G_j: from the children
+///   C <- N C N,  p <- N (p + C a_g),  G_j <- N G_j,  g_j <- g_j - G_j^T a_g
 ///
-/// Adding to C along Q changes only y of these rows, which the body's own equation gives from the children's forces.
+/// This changes only the forces y of the rows G, which the body's own equation gives from the children's forces.
 /// Without the projection, the inertias of all bodies below would add up along Q and cancel in every digit.
 struct BodyHold {
   int rows = 0;  // 0: the projection is not used, as the rows are dependent or damped
   Mat6<double> Q, R, C;
 };
 
-/// Factorizes `count` rows of a node; returns false, with hold.rows = 0, if the rows are (nearly) dependent.
+/// Factorizes the `count` rows that constrain a node as Q R. Returns false, with hold.rows = 0, if the rows are
+/// (nearly) dependent or damped.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& hold);
-/// Return y of R^T y = b, and y of R y = Q^T f, in entries 0 ... rows - 1; hold contains Q, R.
+/// Return the solution y of R^T y = b, and that of R y = Q^T f, in entries 0 ... hold.rows - 1. hold has Q and R.
 Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
 Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
@@ -58,18 +62,18 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   std::vector<double> pivot_sum;   // one entry per row: sum of the terms of E_kk that joints contributed
   std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
   double growth = 1;               // largest factor by which P grew when rows were eliminated
-  std::vector<double> least_kept;  // one entry per node: least part left of a pivot, of rows eliminated in its subtree
+  std::vector<double> least_kept;  // one entry per node: least pivot / its terms, of rows eliminated in its subtree
   std::vector<char> drops_below;   // one flag per node: whether rows in its subtree were dropped
   std::vector<double> least_inertia, most_inertia;  // one per row: range of D of its joints
 
   // rows that depend on others (dependent_rows.hpp): they are not in the factor, and their y is zero
   std::vector<char> dropped;  // one flag per row: it was dropped
   struct Drop {
-    int row, node;  // node whose rows span the row; number of nodes: the row moves nothing
+    int row, node;  // node: the node whose rows span the row, or the number of nodes if the row drives no joint
   };
   std::vector<Drop> found;
 
-  // set by solve_bodies
+  // set by backward_sweep
   std::vector<Vec6<double>> p;  // one entry per node: bias force
   Eigen::VectorXd u, g;         // u: D^-1 times the joints' right-hand sides; g: the rows' right-hand sides
 
@@ -85,9 +89,10 @@ struct HeldRows {
 };
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 
-/// Factorizes the system. kNone: sound. kSingularInertia: a joint's D is only rounding error. kSmallPivot: rows are
-/// (nearly) dependent. kNotFinite: some entry is NaN or infinite. b: if given, backward_sweep is done for b at once.
-/// drop: rows spanned by those that constrain a body are dropped, and listed in ldl.found.
+/// Factorizes the system. Returns kNone if the factor is sound, kSingularInertia if a joint's D is only rounding error,
+/// kSmallPivot if rows are (nearly) dependent, kNotFinite if some entry is NaN or infinite. b: if given, the
+/// backward_sweep of b is done at the same time. drop: whether rows spanned by those that constrain a body are dropped,
+/// and listed in ldl.found.
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 
@@ -95,9 +100,11 @@ HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 
-/// Forward sweep after a backward sweep of b: computes x from the bases to the leaves; returns its backward error.
+/// Computes the solution x from the bases to the leaves, after a backward sweep of b. Returns the backward error of x,
+/// and sets `left` to its residual.
 double forward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
-/// Solves for the correction dx, after a backward sweep of left.r, and adds dx to x. Returns the backward error of x.
+/// Computes the correction dx of x, after a backward sweep of the residual left.r, and adds dx to x. Returns the
+/// backward error of x, and sets `left` to its residual.
 double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
                       BodyResidual& left);
 

@@ -7,24 +7,27 @@
 
 namespace manycontact {
 
-/// Nodes are the joints' bodies, robot by robot, parents before children. Constant; islands of one shape share it.
+/// The structure of an island's body-space system. Its nodes are the joints' bodies, robot by robot, parents before
+/// children. It is constant, and islands of one shape share it.
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
   std::vector<int> node_offset;      // one entry per robot of the island: number of its first node
-  std::vector<int> parent, end;      // one entry per node: parent, -1 at the base; one past the subtree
+  std::vector<int> parent, end;      // one entry per node: its parent, or -1; one past the last node of its subtree
   std::vector<int> first_dof, ndof;  // one entry per node: first coordinate of its joint, and their number
   std::vector<int> A, B;             // one entry per contact row: nodes on which it acts; -1: an immovable body
   std::vector<int> at_first, at;     // rows on node i: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
-  // constrained nodes: nodes with children that one to six rows constrain relative to the world or a base
+  // Constrained nodes: nodes with children that one to six rows constrain relative to the world or to a fixed base.
   std::vector<int> hold;            // one entry per node: its index h among constrained nodes, or -1
   std::vector<int> own_first, own;  // rows of constrained node h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
-  // one entry per node: most rows open before its joint; offsets of rows, of rows x ndof and rows^2 numbers, and of D
+  // One entry per node: the largest number of rows that may be open at it; offsets of its rows, and of memory for rows
+  // x ndof numbers, for rows^2 numbers and for D^-1 (kkt/bodies/ldl.hpp).
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows that may be open after all joints are eliminated
-  // for predicted costs: sums over nodes of (open rows)^2, of (open rows)^2 x eliminated rows; rows open at the bases
+  // Estimates for predicted costs: the sums over nodes of (open rows)^2 and of (open rows)^2 times eliminated rows, and
+  // the number of rows open at the bases.
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
   /// Whether both bodies of a row are in the subtree of node i, so that the row can be eliminated there.
@@ -32,16 +35,17 @@ struct BodyPattern {
     const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
     return inside(A[row]) && inside(B[row]);
   }
-  /// Returns the node at which the two ends of a row meet, the lowest common ancestor; -1: none.
+  /// Returns the lowest common ancestor of the two nodes of a row, or -1 if there is none.
   int meeting(int row) const;
-  /// Computes the members from `at_first` on; the members before, nodes and ends of rows, must be set.
+  /// Computes the members from `at_first` on. The members before it, from `nodes` to A and B, must be set.
   void complete_analysis();
 };
 
-/// Analyses an island. The cost is linear in bodies, contacts, and rows times bodies between the rows' two ends.
+/// Returns the pattern of an island. The cost is linear in the numbers of bodies and contacts, plus, for each row, the
+/// number of bodies between its two ends.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
-/// Returns the node of an attachment; -1: an immovable body.
+/// Returns the node of an attachment, or -1 if it is immovable.
 inline int node_of(const BodyPattern& pattern, const Island& island, const Attachment& at) {
   return moves(at) ? pattern.node_offset[local_robot(island, at.robot)] + at.joint : -1;
 }

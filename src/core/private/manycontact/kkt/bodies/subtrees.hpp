@@ -1,6 +1,7 @@
 #pragma once
-// Trees cut at constrained bodies. Six independent rows between a body and the world or a base determine its
-// acceleration. The subtree below is then an independent system (system.hpp), whose reaction the rows' forces balance.
+// Division of trees at constrained bodies. Six independent rows between a body and the world or a fixed base determine
+// the body's acceleration. The subtree below the body is then an independent system (system.hpp), and the forces of the
+// six rows balance its reaction.
 
 #include <memory>
 
@@ -8,14 +9,16 @@
 
 namespace manycontact {
 
-/// A body constrained by six rows; trees are cut there. It is a leaf of its own subtree and the base of the one below.
+/// A body constrained by six rows, at which a tree is cut. The body is a leaf of the subtree above the cut, its own
+/// subtree, and the base of the subtree below.
 struct BodyCut {
   int node = 0;   // index of the body in its own subtree
   int below = 0;  // index of the subtree below the body
   int row[6];     // indices of the six rows in the body's own subtree
 };
 
-/// A part of the trees between cuts. Constant data; nodes, coordinates and rows are in the island's order.
+/// A part of a tree between cuts, or at first all that remains above the cuts. It is constant. Its nodes, coordinates
+/// and rows are in the same order as in the island.
 struct BodySubtree {
   std::shared_ptr<const BodyPattern> pattern;  // shared by subtrees of one shape
   int shape = 0;                               // index of its pattern: subtrees of one shape share one
@@ -32,7 +35,8 @@ struct BodySubtrees {
 /// Whether any body with children is constrained by six rows, so that trees may be cut.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts trees at each body that six rows fix to the world or a base, unless another body's row crosses. Linear cost.
+/// Cuts trees at each body that six rows fix to the world or a fixed base, unless a row of another body couples the two
+/// sides of the cut. The cost is linear.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact

@@ -1,14 +1,16 @@
 #pragma once
-// Equations of an island with the bodies' accelerations and the joints' forces as unknowns: many more than in the
-// joint-space K. But each equation involves only a body and its parent, however deep the tree. Unknowns are a_i, f_i (6
-// each) of every body i in its body frame (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
+// The body-space system: equations of an island with the accelerations of bodies and the forces of joints as unknowns.
+// There are many more than in the joint-space K, but each equation involves only a body and its neighbours, however
+// deep the tree. Unknowns are the acceleration a_i and joint force f_i (6 each) of every body i in its body frame
+// (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
 //
 //   a_i = X a_p + S_i qdd_i + c_i                              X: to the child's origin, p: the parent
 //   f_i = Y_i a_i + p_i + sum over children j of X_j^T f_j + sum over rows k at i of G_k y_k
 //   S_i^T f_i + armature qdd_i = tau_i
 //   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
 //
-// With c, p = 0 this is K [qdd; y] = [tau; g]. The acceleration of a base is part of c of the bodies attached to it.
+// With c = 0 and p = 0 this is equivalent to K [qdd; y] = [tau; g]. The acceleration of a base is part of the c of
+// bodies attached to it.
 
 #include <memory>
 
@@ -24,7 +26,7 @@ struct BodySystem {
   Mat6X<double> S;                 // 6 x nv: motion subspaces
   std::vector<Inertia<double>> Y;  // one entry per node: inertia
   Eigen::VectorXd armature;        // nv
-  Mat6X<double> GA, GB;            // 6 x nc: forces on the bodies of A and B by y = 1 of each row
+  Mat6X<double> GA, GB;            // 6 x nc: forces on the bodies of A and B for y = 1 of each row
   double delta = 0;
 
   void reset(std::shared_ptr<const BodyPattern> p);
@@ -39,10 +41,10 @@ struct BodyVectors {
   void set_zero();
 };
 
-/// Residual of a solution x of the body-space system.
+/// The residual of a solution x of the body-space system, and the magnitudes of the terms of its equations.
 struct BodyResidual {
-  BodyVectors r;  // right-hand minus left-hand sides; opposite sign for f
-  // set only by backward_error
+  BodyVectors r;  // right-hand minus left-hand sides of the equations in the file header
+  // Magnitudes of terms. body_scale and joint_scale are set by backward_error only.
   std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
   Eigen::VectorXd row_scale;                // nc
@@ -52,19 +54,20 @@ struct BodyResidual {
   void resize(const BodyPattern& p);
 };
 
-/// Fills `out` and returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
-/// relative to its terms. Terms count as at least eps times the largest terms of their kind. In a joint's equation f,
-/// and in a row's equation a, counts with the terms of which it is the sum. NaN if x is not finite.
+/// Computes `out` and returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
+/// relative to the equation's terms. Terms are first raised to eps times the largest terms of their kind. As f in a
+/// joint's equation, and a in a row's equation, are sums themselves, the terms of these sums count. NaN if x is not
+/// finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
-/// Computes backward_error node by node, during a sweep. Terms are not stored and have no lower bound, so that the
-/// error is at least that of backward_error. `more`, if given, is added to x.rows at the nodes.
+/// Computes the backward error node by node, during a sweep. Terms are not stored and have no lower bound, so that the
+/// result is at least that of backward_error. more: if given, is added to x.rows in the nodes' equations.
 class BodyJudge {
  public:
   BodyJudge(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out)
       : s_(system), b_(rhs), x_(x), out_(out) {}
-  void node(int i, const double* more = nullptr);  // call it for a node once its children's forces are known
-  void rows();                                     // call it after all nodes: all rows
+  void node(int i, const double* more = nullptr);  // equations of node i; call it when its children's forces are known
+  void rows();                                     // equations of all rows; call it after all nodes
   double error();                                  // completes `out` and returns the backward error
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
-// Interface of all factors of an island's K. Each kind has its own file: ldl, proximal, cholmod, dense, dense_schur.
+// The interface of all factors of an island's K. Each kind has its own source: ldl, proximal, cholmod, dense,
+// dense_schur.
 
 #include <algorithm>
 #include <limits>
@@ -18,8 +19,9 @@ struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;                      // magnitudes of the pivots' terms
   std::vector<rank::PassedOn<double>> passed_on;  // one entry per row of K
-  /// Input, one number per row of J in the island's order: the largest motion from which the row is selected
-  /// (rank/row_size.hpp). The row is judged relative to it. If the size differs, K.row_scale is used for all rows.
+  /// An input of factorizations, with one number per row of J in the island's order: the largest motion from which the
+  /// row is selected (rank/row_size.hpp), relative to which the row is judged. If the vector has another length than
+  /// nc, K.row_scale is used for all rows.
   std::vector<double> row_scale;
 };
 
@@ -30,20 +32,20 @@ class Factor {
   virtual ~Factor() = default;
 
   virtual Method method() const = 0;
-  /// Factorizes K, which must outlive the factor's use. Results other than kNone mean that the factor must not be used.
+  /// Factorizes K, which must exist as long as the factor is used. The factor must be used only if the result is kNone.
   [[nodiscard]] virtual Reason factorize(const KktMatrix& K, FactorScratch& scratch) = 0;
 
   /// Overwrites x with K^-1 x, in K's elimination order. If rows are dependent (damping 0), K^-1 is the generalised
   /// inverse that gives least-squares accelerations and least-norm forces.
   virtual void solve(double* x) = 0;
-  /// Overwrites a residual r = b - K x with K^-1 r, using only the kept rows; b has no part P b (project_out). No
-  /// correction of x can remove rounding errors of J x in the dependent rows.
+  /// Overwrites a residual r = b - K x, where b has no part P b (project_out), with the correction K^-1 r of x. Only
+  /// the kept rows count, since no correction can remove rounding errors of J x in the dependent rows.
   virtual void correct(double* r) { solve(r); }
-  /// Solves v.x = K^-1 v.b with at most max_steps corrections by the true residual; sets v.r and v.scale. If rows are
-  /// dependent, the inconsistent part of b is moved to v.null_component during the solve.
+  /// Computes v.x = K^-1 v.b with at most max_steps corrections from the true residual, and sets v.r and v.scale. If
+  /// rows are dependent, v.null_component becomes the inconsistent part P b, which is not part of b during the solve.
   virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
-  /// Returns the componentwise backward error (sparse/refine.hpp) of a residual r. Residuals of dropped rows are
-  /// relative to the scale of the kept rows times |z_j|.
+  /// Returns the componentwise backward error (sparse/refine.hpp) of a residual r. The residual of a dropped row is
+  /// relative to its own scale plus the scales of the kept rows times the magnitudes of its coefficients z_j.
   virtual double backward_error(std::span<const double> r, std::span<const double> scale) {
     return sparse::componentwise_backward_error(r, scale);
   }
@@ -51,7 +53,8 @@ class Factor {
   /// nonzero: flags of K's rows, in elimination order, where these columns may be nonzero; overwritten.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Calls solve_panel and refines once, X + K^-1 (B - K X). work.nonzero: the flags; work.B: memory as large as X.
+  /// Calls solve_panel and refines once, X + K^-1 (B - K X). work.nonzero: flags for solve_panel; work.B: memory as
+  /// large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
   /// Releases the memory that only solve_panel needs; a later solve_panel allocates it again.
@@ -61,23 +64,25 @@ class Factor {
   virtual int rank() const = 0;
   /// Lists the nc - rank dependent rows of J, numbered within the island, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
-  /// Sets y -= P y on the contact rows, with the projector P on the null space of J^T. null_component, if not nullptr,
-  /// becomes P y (as many entries as K has rows, others zero). Does nothing if J has full rank.
+  /// Subtracts P y from the contact rows of y, with the projector P on the null space of J^T. Adds P y to
+  /// null_component (one entry per row of K) unless it is nullptr. Does nothing if J has full rank.
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
-  /// Sets Y -= P Y for all columns of a panel, stored as in solve_panel.
+  /// Subtracts P X from the first `cols` columns of a panel X, which is stored as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
-  /// Sets one flag per row of J, numbered within the island (nc): whether project_out may change the row.
+  /// Sets one flag per row of J, numbered within the island (nc), if project_out may change the row.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
-  /// Returns the residual of dropped rows relative to the terms of the rank decision; 0 if it is a rounding error.
+  /// Returns the largest residual of dropped rows, relative to the terms by which the rank was decided, or 0 if the
+  /// residuals are rounding errors.
   virtual double left_of_dropped_rows() const { return 0; }
 
-  /// Returns the rounding error of project_out relative to the largest entry of y; it limits least-norm forces.
+  /// Returns the rounding error of project_out relative to the largest entry of y, which bounds the accuracy of
+  /// least-norm forces.
   virtual double projector_error() const { return 0; }
 
   /// Returns the number of nonzeros of the factor, diagonals included.
   virtual int nonzeros() const = 0;
-  /// If J y = f has a solution, with f the contact rows of x, overwrites x: its other rows become a solution y.
+  /// Overwrites the coordinates' rows of x with a solution y of J y = f, if any, where f are the contact rows of x.
   virtual void particular_solution(double* x) { solve(x); }
 
   /// Returns the number of refinement steps of solve and solve_panel; if above 0, callers do not refine further.
@@ -90,8 +95,8 @@ class Factor {
     (void)K;
     return std::numeric_limits<double>::infinity();
   }
-  /// Whether panel columns are as accurate as a single solve. Then growth and the single solve's error decide whether
-  /// panels are refined; otherwise panels are judged by their own residuals.
+  /// Whether the columns of a panel are as accurate as a single solve. If so, growth() and the error of a single solve
+  /// decide whether panels are refined. Otherwise, the panels' own residuals decide.
   virtual bool panel_is_like_solve() const { return true; }
 };
 

@@ -8,12 +8,13 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds the inconsistent part of b, which a solve with redundant rows removed, to v.b and v.r again.
+/// Adds v.null_component, the inconsistent part that a solve with redundant rows removed from b, to v.b and v.r, and
+/// updates v.scale.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
 
-/// Memory for refining row-major panels of K.size() rows.
+/// Memory for the refinement of row-major panels with K.size() rows.
 struct PanelWork {
   std::vector<double> B;  // right-hand sides, overwritten
   std::vector<double> R;  // residuals, if the caller checks them
@@ -22,8 +23,9 @@ struct PanelWork {
   KktVectors column;
 };
 
-/// Refines a panel X with row stride ld, rows in the island's order, padding included: X += K^-1 (B - K X), B = work.B,
-/// until each column's residual is rounding error. Returns the largest residual relative to |K|_1 |X| + |B|.
+/// Refines X += K^-1 (B - K X), with B = work.B, until each column's residual is a rounding error. X is a panel with
+/// row stride ld, rows in the island's order; all ld columns are refined. Returns the largest residual relative to
+/// |K|_1 |X| + |B|.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
 
 }  // namespace manycontact
