@@ -9,9 +9,10 @@ namespace manycontact::python {
 
 namespace {
 
-std::mutex one_batch;  // serialises batches: they set OpenBLAS' number of threads for the whole process
+// serialises batches, because they set OpenBLAS' number of threads for the whole process
+std::mutex one_batch;
 
-// A matrix with a row per state. A state with numbers that are not finite gets the status kFailed.
+// A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.
 struct Rows {
   Doubles array;
   ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {
