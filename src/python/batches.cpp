@@ -9,7 +9,7 @@ namespace manycontact::python {
 
 namespace {
 
-// serialises batches, because they set OpenBLAS' number of threads for the whole process
+// Serialises batches, because they set OpenBLAS' number of threads for the whole process.
 std::mutex one_batch;
 
 // A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.

@@ -1,6 +1,5 @@
 #pragma once
-// SceneData in Python, which one thread can use at a time. Arrays of derivatives keep their numbers if SceneData
-// changes.
+// SceneData in Python, for one thread at a time. Arrays of derivatives keep their numbers if SceneData changes.
 
 #include <unordered_map>
 
@@ -46,7 +45,7 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
-    // scene, solve and active contacts at the last check of force_of
+    // Scene, solve and active contacts at the last check of force_of.
     const Scene* checked_scene = nullptr;
     std::uint64_t checked_serial = 0;  // serial of that solve
     std::vector<char> checked_active;  // flags of the contacts

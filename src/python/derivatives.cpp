@@ -23,7 +23,7 @@ void Data::let_go_of_panels() const {
     if (!keeper) continue;
     auto& X = const_cast<IslandDerivatives*>(island)->X;
     keeper->panel = X;
-    // the keeper then owns the memory that the arrays view
+    // The keeper then owns the memory that the arrays view.
     keeper->panel.swap(X);
     keeper->data.reset();
   }

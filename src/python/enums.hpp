@@ -28,7 +28,7 @@ struct Names {
     std::string word;    // the name in files and on the command line
     std::string python;  // the name in Python, such as "SPARSE_LDL"
   };
-  // the word for a member in error messages, such as "method"
+  // The word for a member in error messages, such as "method".
   static inline std::string what;
   static inline std::vector<Member> members;
 };

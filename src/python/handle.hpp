@@ -86,9 +86,9 @@ template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  // returns the index of the item with this name, or -1
+  // Returns the index of the item with this name, or -1.
   std::function<int(const std::string&)> number = {};
-  // returns the message for an unknown name
+  // Returns the message for an unknown name.
   std::function<std::string(const std::string&)> none = {};
 };
 

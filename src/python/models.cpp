@@ -11,7 +11,7 @@ namespace {
 
 using Placement = SE3<double>;
 
-// tolerance of R^T R = 1, as for quaternions in files
+// Tolerance of R^T R = 1, as for quaternions in files.
 constexpr double kOrthonormal = 1e-6;
 
 Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {

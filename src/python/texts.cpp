@@ -15,7 +15,7 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-// key of the entries; value: how many of its overloads were used
+// Key of the entries; value: how many of its overloads were used.
 std::map<std::string, std::size_t> taken;
 py::handle names_of_defaults;
 

@@ -12,7 +12,7 @@ namespace manycontact::python {
 
 struct Text {
   const char* key;  // such as "solve", "Scene", "Scene.contacts"
-  // one per line: "x", "x not None", "x=default" with a Python expression, or "*"
+  // One per line: "x", "x not None", "x=default" with a Python expression, or "*".
   const char* parameters;
   const char* doc;
 };

@@ -95,7 +95,7 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    // throws if no derivatives of the last solve exist
+    // Throws if no derivatives of the last solve exist.
     (void)derivatives(solution);
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));

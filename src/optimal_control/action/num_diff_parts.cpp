@@ -17,7 +17,7 @@ namespace {
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 struct Differences {
-  // derivatives with respect to x and u, where those for u are empty in a terminal node
+  // Derivatives with respect to x and u, where those for u are empty in a terminal node.
   Eigen::MatrixXd x, u;
 };
 
@@ -271,7 +271,7 @@ std::string DifferentialActionModelNumDiff::where(const char*) const { return kN
 Eigen::VectorXd DifferentialActionModelNumDiff::coordinates(const DifferentialActionDataAbstract&,
                                                             const DifferentialActionDataAbstract& moved,
                                                             bool terminal) const {
-  // terminal nodes have no acceleration
+  // Terminal nodes have no acceleration.
   return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;
 }
 

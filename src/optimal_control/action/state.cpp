@@ -125,7 +125,7 @@ Eigen::VectorXd StateMultibody::rand() const {
     }
     if (floating) {
       Eigen::Vector4d quat;
-      // points that are uniform in the ball have directions that are uniform on the sphere
+      // Points that are uniform in the ball have directions that are uniform on the sphere.
       do quat = Eigen::Vector4d(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
       while (quat.norm() < 0.1 || quat.norm() > 1);
       x.segment<4>(iq + 3) = quat.normalized();

@@ -127,7 +127,7 @@ Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);
   if (failed < 0) return {};
-  // even vertices contain mu, odd vertices w
+  // Even vertices contain mu, odd vertices w.
   return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};
 }
 

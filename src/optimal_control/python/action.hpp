@@ -141,8 +141,8 @@ struct PyActionModel : Abstract {
   }
 
  private:
-  // Calls quasiStatic(self, data, x, maxiter, tol) of Python, which returns u. Returns false if Python does not define
-  // it.
+  // Calls quasiStatic(self, data, x, maxiter, tol) of Python, which returns u. Returns false if Python has no such
+  // method.
   bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
     const py::gil_scoped_acquire gil;
     const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");

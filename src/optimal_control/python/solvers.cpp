@@ -48,7 +48,7 @@ struct PySolver : T {
   void resizeData() override { PYBIND11_OVERRIDE(void, T, resizeData, ); }
   double calcDiff() override {
     const auto cost = [this]() -> double { PYBIND11_OVERRIDE(double, T, calcDiff, ); };
-    // this is necessary, because Python code cannot set cost_
+    // This is necessary, because Python code cannot set cost_.
     return this->cost_ = cost();
   }
   void backwardPass() override { PYBIND11_OVERRIDE(void, T, backwardPass, ); }
@@ -164,7 +164,7 @@ void add_solver_base(py::module_& m) {
   auto callback = shared<CallbackAbstract, PyCallback>(m);
   auto solver = shared<S>(m, "SolverAbstract", kCollected);
   callback.constructors<void()>().def("__call__", [](CallbackAbstract& c, SolverAbstract& of) {
-    // there is no __call__, or super().__call__ was called
+    // There is no __call__, or super().__call__ was called.
     if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();
     c(of);
   });

@@ -24,7 +24,7 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  // one entry per phase; null for a phase without impact
+  // One entry per phase; null for a phase without impact.
   std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;
   std::shared_ptr<ActionModelAbstract> terminal;
 };
@@ -52,7 +52,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  // null for an impact, whose terms depend only on the state
+  // Null for an impact, whose terms depend only on the state.
   std::shared_ptr<ActuationModelAbstract> actuation;
   std::shared_ptr<ContactModelMultiple> contacts;
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }

@@ -111,7 +111,7 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
         const auto [at, is_new] = known.emplace(own.dx, out.size());
         if (is_new) out.push_back({own.dx, {}, std::vector<Eigen::MatrixXd>(T)});
         TaskGains& gains = out[at->second];
-        // impacts have no controls, so that u is taken from another node
+        // Impacts have no controls, so that u is taken from another node.
         if (gains.u.empty()) gains.u = std::move(own.u);
         gains.K[t] = std::move(own.K);
       }
@@ -178,7 +178,7 @@ struct Run {
 
   void with_constraints() {
     SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-    // the size of a running cost of weight 1, which contains the step as a factor
+    // The size of a running cost of weight 1, which contains the step as a factor.
     solver.set_penalty_init(task.step);
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
@@ -188,7 +188,7 @@ struct Run {
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
     out.multipliers = solver.get_multipliers();
-    // this also computes the forces of couplings
+    // This also computes the forces of couplings.
     problem.problem->calc(out.xs, out.us);
     out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
@@ -246,7 +246,7 @@ bool stayed_at_guess(const TaskSolution& s) {
 bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
   constexpr int kTries = 4;
   constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
-  // least decrease, relative to the cost; above its rounding error
+  // Least decrease, relative to the cost; above its rounding error.
   constexpr double kFall = 1e-10;
   std::mt19937 random(1);
   std::normal_distribution<double> change(0, kChange * internal::largest_number(us));
@@ -349,7 +349,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   std::vector<task::TorqueBounds> bounds;
   const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
   const bool blocks = problem.blocks.size() > problem.parts.size() && task::dense_parts_fit(task);
-  // the methods get equal shares of the iterations
+  // The methods get equal shares of the iterations.
   const std::size_t all = run.most, methods = 1 + blocks + limits;
   const std::size_t share = (all + methods - 1) / methods;
   const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };

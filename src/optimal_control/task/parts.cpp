@@ -122,7 +122,7 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[c]);
-  // wrenches on the part's robots are selected as in take_applied_forces
+  // Wrenches on the part's robots are selected as in take_applied_forces.
   for (std::size_t k = 0; k < phase.wrenches.size(); ++k)
     if (share.robot_at[scene.wrenches[k].at.robot] >= 0) out.wrenches.push_back(phase.wrenches[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
@@ -151,7 +151,7 @@ std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRob
   for (const TaskPhase& phase : task.phases) join(phase, sets);
   join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  // index in `out` of each set, by the set's root, which is its first robot
+  // Index in `out` of each set, by the set's root, which is its first robot.
   std::vector<std::size_t> at(scene.robots.size());
   for (int r = 0; r < scene.nrobots(); ++r) {
     const auto root = static_cast<std::size_t>(sets.root(r));

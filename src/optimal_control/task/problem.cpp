@@ -46,7 +46,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
 namespace task {
 
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
-  // number of the phase, where the terminal node has the contacts of the last phase
+  // Number of the phase, where the terminal node has the contacts of the last phase.
   std::size_t k = 0;
   while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
   while (k > 0 && task.phases[k - 1].active[contact]) --k;

@@ -93,7 +93,7 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
       return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
-    // controls of blocks may contain wrenches of couplings after the torques
+    // Controls of blocks may contain wrenches of couplings after the torques.
     default: {
       Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
       of_all.head(reference.size()) = reference;
@@ -111,7 +111,7 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
     return out;
   }
   std::vector<int> rows;
-  // one residual per robot, because the term's numbers are repeated for each robot
+  // There is one residual per robot, because the term's numbers are repeated for each robot.
   for (const int r : term.robots) {
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());

@@ -116,7 +116,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
-  // then the part is the whole scene
+  // In this case the part is the whole scene.
   if (b.d.cols() == rows * cols) {
     file.write(first * rows * cols, b.d.size(), b.d.data());
     return;
@@ -207,7 +207,7 @@ int run_batch(const Arguments& arguments) {
 
 int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
-  // runs a step that may fail in some of the processes only
+  // Runs a step that may fail in some of the processes only.
   const auto together = [&communicator](auto&& step) {
     std::exception_ptr error;
     try {
@@ -231,7 +231,7 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   for (NpyOutput& out : run.out) out.finish();
   // sum also waits for all processes
   communicator.sum(counts);
-  // the file of solutions comes last, so that the file of derivatives is complete if it exists
+  // The file of solutions comes last, so that the file of derivatives is complete if it exists.
   if (communicator.rank() == 0)
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();

@@ -53,7 +53,7 @@ struct Chart {
                              // contact rows, 1 island"
   std::string picture;       // file name without extension
   std::vector<ChartRow> rows;
-  // allowed error of a and f, max(1e-12, 100 eps condition); the allowed error of derivatives is ten times larger
+  // Allowed error of a and f, max(1e-12, 100 eps condition); the allowed error of derivatives is ten times larger.
   double allowed = 0;
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors

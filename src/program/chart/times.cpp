@@ -15,11 +15,11 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-// time per round and candidate in which calls are repeated; at least one call is made [us]
+// Time per round and candidate in which calls are repeated; at least one call is made [us].
 constexpr double kTurn = 200;
-// if the first call takes longer, its time counts, and there is no warm-up [us]
+// If the first call takes longer, its time counts, and there is no warm-up [us].
 constexpr double kNoWarmUp = 300e3;
-// larger derivatives are released between rounds [bytes]
+// Larger derivatives are released between rounds [bytes].
 constexpr double kLarge = 4e6;
 
 // Measures a call in one round: calls it once to warm up, and returns the median time of repeated calls.

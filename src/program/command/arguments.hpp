@@ -18,7 +18,7 @@ struct Option {
   std::string name;   // the name of the option with its dashes
   std::string value;  // the placeholder of its value in the usage; empty for a flag
   std::string help;
-  // whether the usage shows the option as required; the command itself throws if it is missing
+  // Whether the usage shows the option as required; the command itself throws if it is missing.
   bool required = false;
 };
 

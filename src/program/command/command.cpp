@@ -37,7 +37,7 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  // pipes are left out: opening one may block, and closing it would end the connection
+  // Pipes are left out: opening one may block, and closing it would end the connection.
   if (!is_written_straight(path)) OutputFile(path, option);
 }
 

@@ -19,7 +19,7 @@ struct Command {
   std::string summary;   // a description in one line
   std::vector<Option> options;
   std::string help;  // text that follows the options
-  // name of a program in the same folder, which executes the command if `run` is null
+  // Name of a program in the same folder, which executes the command if `run` is null.
   std::string beside;
   int (*run)(const Arguments&) = nullptr;
 };

@@ -87,7 +87,7 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  // makes writing beyond the file size limit fail with an error instead of ending the program
+  // Makes writing beyond the file size limit fail with an error instead of ending the program.
   std::signal(SIGXFSZ, SIG_IGN);
   try {
     const int status = dispatch(commands, words);

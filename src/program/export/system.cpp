@@ -79,7 +79,7 @@ Eigen::MatrixXd derivative_right_hand_sides(const Eigen::SparseMatrix<double>& K
   d.check();
   Eigen::MatrixXd dx = d.X.leftCols(d.cols);
   if (!dx.allFinite()) return {};
-  // because x = [a; -f]
+  // The unknowns are x = [a; -f].
   dx.bottomRows(d.nc) *= -1;
   return product(K, dx);
 }

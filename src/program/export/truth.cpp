@@ -8,10 +8,10 @@ namespace manycontact::cli {
 
 namespace {
 
-// most refinement steps; each step gains digits if eps |K| |K^-1| is below 1
+// Most refinement steps; each step gains digits if eps |K| |K^-1| is below 1.
 constexpr int kMostSteps = 40;
 constexpr double kConverged = 1e-20;  // largest relative last correction of a solution that is accepted
-// quadruple precision has 34 digits, of which the residual of many terms loses about two
+// Quadruple precision has 34 digits, of which the residual of many terms loses about two.
 constexpr double kMostDigits = 32;
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {

@@ -18,7 +18,7 @@ class CsvReader {
   /// Reads the next row. Returns false at the end. Throws InputError for a wrong number of cells, or if t does not
   /// increase.
   bool next();
-  // time of the current row; -infinity before the first row [s]
+  // Time of the current row; -infinity before the first row [s].
   double t() const { return t_; }
   /// Returns a cell of the current row. Throws InputError if it is not a finite number.
   double number(std::size_t column) const;

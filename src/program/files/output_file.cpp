@@ -28,7 +28,7 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  // lets exceptions of write() pass through the stream's operators
+  // Lets exceptions of write() pass through the stream's operators.
   stream_.exceptions(std::ios::badbit);
   if (is_standard_output(path_)) {
     std::cout.flush();  // earlier output of std::cout must precede that of this file
@@ -62,7 +62,7 @@ void OutputFile::begin() {
   struct stat old {};
   const bool replaces = stat(target_.c_str(), &old) == 0;
   if (!replaces && errno != ENOENT) return;
-  // this must fail, because rename would replace even a read-only file
+  // This must fail, because rename would replace even a read-only file.
   if (replaces && access(target_.c_str(), W_OK) != 0) return;
   constexpr std::string_view kEnd = ".part";
   std::string name = (fs::path(target_).parent_path() / "manycontact-XXXXXX").string().append(kEnd);
@@ -72,7 +72,7 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  // this fails on file systems without modes
+  // This fails on file systems without modes.
   (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);
 }
 

@@ -130,7 +130,7 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
 
 void print_memory(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  // size of [da; df] of all islands, with columns of q, v, u
+  // Size of [da; df] of all islands, with columns of q, v, u.
   double derivatives = 0;
   for (const IslandKind& kind : x.kinds) {
     const Island& island = x.island(kind);

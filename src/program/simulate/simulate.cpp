@@ -37,7 +37,7 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  // the spring or joint with the shortest largest step at the start
+  // The spring or joint with the shortest largest step at the start.
   SpringStep shortest;
   Findings at_start;  // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
                       // ended the run

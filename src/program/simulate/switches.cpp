@@ -86,7 +86,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[c] = event.what != Event::kOff;
       on[c] = event.what == Event::kOn;
-      // a contact that was active closes again, with an impact
+      // A contact that was active closes again, with an impact.
       sim.dynamics.active[c] = false;
       if (event.what == Event::kHere) resolve_reference(scene, sim.q, true, true, scene.contacts[c]);
     }
@@ -96,7 +96,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    // false if a later event of the same time switches the contact off again
+    // This is false if a later event of the same time switches the contact off again.
     if (active[event->first]) closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;

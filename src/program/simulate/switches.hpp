@@ -17,7 +17,7 @@ class Switches {
   struct Event {
     double t = 0;
     std::string contact;
-    // index of the first contact, and number of contacts
+    // Index of the first contact, and number of contacts.
     int first = 0, count = 1;
     enum What { kOff, kOn, kHere } what = kOff;
   };
@@ -27,7 +27,7 @@ class Switches {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    // placement errors of the contacts that `on` closed
+    // Placement errors of the contacts that `on` closed.
     std::vector<PlacementError> away;
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }

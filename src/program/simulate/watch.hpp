@@ -28,9 +28,9 @@ class Watch {
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // energy: dissipated by an impact
 
-  // work of the torques, minus the energy that impacts dissipated [J]
+  // Work of the torques, minus the energy that impacts dissipated [J].
   double work() const { return work_; }
-  // work of external wrenches [J]
+  // Work of external wrenches [J].
   double work_of_wrenches() const { return push_work_; }
   /// Prints the findings. Copies of a robot or a contact share a line.
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
@@ -59,13 +59,13 @@ class Watch {
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
-  // least ratio of the smallest to the largest singular value, and its time
+  // Least ratio of the smallest to the largest singular value, and its time.
   double least_share_ = 1, share_time_ = 0;
-  // first time at which this ratio is near zero, or -1
+  // First time at which this ratio is near zero, or -1.
   double singular_time_ = -1;
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;
-  // first time at which independent rows became dependent, or -1
+  // First time at which independent rows became dependent, or -1.
   double rank_time_ = -1;
   std::vector<char> active_;
   std::set<std::vector<char>> judged_;  // sets of active contacts that were seen

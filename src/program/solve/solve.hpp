@@ -12,9 +12,9 @@ namespace manycontact::cli {
 
 /// Median times [us].
 struct Times {
-  // time of the symbolic analysis of every shape of island, with empty caches
+  // Time of the symbolic analysis of every shape of island, with empty caches.
   double symbolic = 0;
-  // time to construct the SceneData, including memory, islands, and symbolic analysis
+  // Time to construct the SceneData, including memory, islands, and symbolic analysis.
   double setup = 0;
   double solve = 0;
   double derivatives = 0;  // 0 unless derivatives were requested
@@ -22,7 +22,7 @@ struct Times {
 
 struct SolvedScene {
   const SceneFile& file;
-  // solved, with condition and errors estimated
+  // Solved, with condition and errors estimated.
   SceneData data;
   Times time;
   int repeat = 1;
@@ -32,7 +32,7 @@ struct SolvedScene {
   std::vector<SystemQuality> quality = {};               // one entry per island, or empty
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
-  // result of unique_forces, one entry per row of data.f; empty if not requested
+  // Result of unique_forces, one entry per row of data.f; empty if not requested.
   std::vector<char> unique = {};
   bool compare = false;  // whether to compare with the dense reference solver even if it is slow
 };

@@ -1,5 +1,4 @@
-// The command `manycontact stability` measures constraint violation and energy error by step size, gains and
-// integrator.
+// The command `manycontact stability` measures constraint violation and energy error for steps, gains and integrators.
 
 #include <algorithm>
 #include <cmath>

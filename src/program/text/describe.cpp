@@ -96,7 +96,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
 }
 
 void print_notes(std::ostream& out, const SceneFile& file) {
-  // text of the note, and names of the robots that it applies to
+  // Text of the note, and names of the robots that it applies to.
   std::vector<std::pair<std::string, std::vector<std::string>>> notes;
   for (const RobotGroup& group : file.robot_groups) {
     const ModelNotes& n = file.scene.robots[group.first].model->notes;

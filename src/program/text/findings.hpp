@@ -32,10 +32,10 @@ struct Findings {
   std::vector<RankChange> rank_changes;
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
-  // names of all velocity coordinates; empty if there are no rank_changes
+  // Names of all velocity coordinates; empty if there are no rank_changes.
   std::vector<std::string> velocity_names;
   std::vector<std::string> close_rows;  // descriptions of islands whose rank decision is not reliable
-  // smallest gap of all islands; infinite if unknown
+  // Smallest gap of all islands; infinite if unknown.
   double rank_gap = std::numeric_limits<double>::infinity();
 
   bool empty() const {

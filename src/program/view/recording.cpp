@@ -74,7 +74,7 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
       if (dependent[first + k]) flags |= Recording::kRedundant;
       const bool known = std::isfinite(r.dynamics.f[first + k]);
-      // only the rows of the linear force, which is drawn
+      // Only rows of the linear force count, because it is drawn.
       if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;
     }
     std::optional<Vec3<double>> force;
@@ -111,7 +111,7 @@ void record(const ViewState& state, Recording& r) {
   r.dynamics.active = state.active;
   if (state.wrenches) r.dynamics.wrenches = *state.wrenches;
   const Eigen::VectorXd u = state.u.value_or(Eigen::VectorXd::Zero(r.scene->nu));
-  // if an island failed, its forces are NaN, which means unknown
+  // If an island failed, its forces are NaN, which means unknown.
   (void)solve(*r.scene, state.q, state.v, u, r.dynamics);
   const Invariants at = invariants(*r.scene, state.active, state.q, state.v, r.room);
   const Eigen::Vector2d drift = state.drift.value_or(Eigen::Vector2d(at.violation_position, at.violation_velocity));

@@ -11,7 +11,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// permitted error of a quaternion's norm, because tables may have few digits
+// Permitted error of a quaternion's norm, because tables may have few digits.
 constexpr double kUnitLength = 1e-3;
 
 using Columns = std::vector<std::size_t>;
@@ -79,7 +79,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  // initial flags as in the scene
+  // The initial flags are those of the scene.
   const std::vector<char> active = recording.dynamics.active;
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};

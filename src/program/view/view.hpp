@@ -17,9 +17,9 @@ struct ViewState {
   std::vector<char> active;                                 // one flag per contact
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
   std::optional<std::vector<Eigen::VectorXd>> forces = {};  // one entry per contact, in its reference frame
-  // constraint violations of position and velocity; computed if not given
+  // Constraint violations of position and velocity; computed if not given.
   std::optional<Eigen::Vector2d> drift = {};
-  // external wrenches; those of the scene if not given
+  // External wrenches; those of the scene if not given.
   std::optional<std::vector<Vec6<double>>> wrenches = {};
 };
 
@@ -31,7 +31,7 @@ struct Recording {
 
   const Scene* scene;
   double rate;
-  // one entry per contact: mu of the friction cone that is drawn, or 0 for no cone
+  // One entry per contact: mu of the friction cone that is drawn, or 0 for no cone.
   std::vector<double> friction;
 
   // These members have entries for each frame.

@@ -119,7 +119,7 @@ void place(SceneFile& file) {
 
 void place_references(TaskFile& task) {
   const SceneFile& file = task.scene;
-  // flags of the contacts that the scene places: those active from the start, and those of phases with at="scene"
+  // Flags of the contacts that the scene places: those active from the start, and those of phases with at="scene".
   std::vector<bool> held(file.scene.contacts.size(), true), before = held;
   const auto find = [&](TaskPhase& phase) {
     for (std::size_t c = 0; c < held.size(); ++c) {

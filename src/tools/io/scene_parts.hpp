@@ -41,7 +41,7 @@ struct RobotElement {
   Element element;
   RobotGroup group;
   UrdfOptions options;
-  // whether the element has u="gravity"
+  // Whether the element has u="gravity".
   bool gravity_torques = false;
   std::map<std::string, Element> joints;  // <joint> children by joint name
   std::map<std::string, Element> locks;   // <lock> children by joint name
@@ -67,7 +67,7 @@ struct End {
   int count = 1;         // number of copies
   bool copied = false;   // whether the name refers to all copies
   bool shifted = false;  // whether the name has +k or -k
-  // the k of +k or -k: copy i of the other end is paired with copy i + k
+  // The k of +k or -k: copy i of the other end is paired with copy i + k.
   long long shift = 0;
   Frame frame;
 

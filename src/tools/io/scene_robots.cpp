@@ -160,7 +160,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   if (yaw != 0) {
     const double s = std::sin(yaw / 2), c = std::cos(yaw / 2);
     q.head<3>() = rotation_about<double>(Vec3<double>::UnitZ(), yaw) * q.head<3>();
-    // the product of the quaternions (0, 0, s, c) and p, in the order x, y, z, w
+    // The product of the quaternions (0, 0, s, c) and p, in the order x, y, z, w.
     const Eigen::Vector4d p = q.segment<4>(3);
     q.segment<4>(3) << c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3], c * p[3] - s * p[2];
   }

@@ -11,8 +11,7 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// Reads a cost or constraint of a phase with the contacts flagged `active`. terminal: whether it is the terminal
-  /// node.
+  /// Reads a cost or constraint of a phase with the contacts flagged `active`. terminal: whether it is the last node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
   /// Returns the indices of the scene's contacts called `name`: one contact, or all copies of a contact.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;

@@ -113,7 +113,7 @@ class Builder {
     model_.name = robot_.getName();
     model_.floating_base = options_.floating_base;
     check_locks();
-    // no recursion, because a chain of links could overflow the call stack
+    // A stack replaces recursion, because a chain of links could overflow the call stack.
     std::vector<Step> stack{{&root_link()}};
     while (!stack.empty()) {
       const Step step = stack.back();
@@ -126,7 +126,7 @@ class Builder {
       if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
         stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
       std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
-                // the order is descending, because the loop takes the last step first
+                // The order is descending, because the loop takes the last step first.
                 [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
@@ -199,7 +199,7 @@ class Builder {
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                      ", expected a root on this side of it");
     SE3<double> link = behind;
-    // the z axis of the joint frame becomes the plane's normal; the link's frame does not change
+    // The z axis of the joint frame becomes the plane's normal; the link's frame does not change.
     if (out.type == JointType::kPlanar) {
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
@@ -400,8 +400,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // urdfdom's links own their children. Unlink releases the links one by one, because recursion could exhaust the
-  // stack.
+  // The links of urdfdom own their children. Unlink releases them one by one, because recursion could exhaust the stack.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

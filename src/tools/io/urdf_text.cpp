@@ -83,7 +83,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  // the output omits the XML declaration, whose encoding would be wrong for this UTF-8 text
+  // The output omits the XML declaration, whose encoding would be wrong for this UTF-8 text.
   robot.Accept(&printer);
   return printer.CStr();
 }

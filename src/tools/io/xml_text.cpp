@@ -115,7 +115,7 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  // least code point of a character of each length in bytes
+  // Least code point of a character of each length in bytes.
   constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }

@@ -57,10 +57,10 @@ struct ResistingForces {
   }
   internal::ResistingJoints joints;
   bool made = false;  // whether the members at_rest and dynamics were created
-  // the scene with added inertias; null if SimulationData::at_rest is used
+  // The scene with added inertias; null if SimulationData::at_rest is used.
   std::unique_ptr<SceneAtRest> at_rest;
   std::unique_ptr<SceneData> dynamics;  // data of at_rest
-  // empty if there are no springs between points
+  // Empty if there are no springs between points.
   std::optional<internal::ResistingSprings> springs;
   internal::BoundedEnergy bounded;
 };

@@ -70,8 +70,8 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
 }
 
 // Returns the share (0 to 1) of the motion across a spring that rotates the spring without stretching it. With c the
-// rate across the spring, s its length, T its tension and n its direction, a step h raises its energy by h^2 T / (2 s)
-// (c^2 + s n^T (p_A'' - p_B'')).
+// rate across the spring, s its length, T its tension and n its direction, a step h raises its energy by
+//     h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B''))
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);

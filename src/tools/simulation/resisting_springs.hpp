@@ -27,18 +27,18 @@ struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
   Scene loads;  // the scene with all loads except springs between points
-  // null if there are no such loads
+  // Null if there are no such loads.
   std::shared_ptr<AppliedForces<double>> of_loads;
-  // upper bound per spring: J M^-1 J^T of its bodies alone [1/kg]
+  // Upper bound per spring: J M^-1 J^T of its bodies alone [1/kg].
   std::vector<double> mobility;
 
   struct Row {
     int spring;
     Vec3<double> direction;  // unit vector in the world
     double D, g, k, e;       // k, e: stiffness and stretch along `direction`
-    // row across a spring: its rotating share r from 0 to 1; row along a spring: -1
+    // Row across a spring: its rotating share r from 0 to 1; row along a spring: -1.
     double turns;
-    // row across a spring with a rest length: current length of the spring; other rows: 0
+    // Row across a spring with a rest length: current length of the spring; other rows: 0.
     double length;
     double keeps = 0;  // share s of the start velocity v that the spring does not resist
   };
@@ -47,9 +47,9 @@ struct ResistingSprings {
   std::vector<UnitForce> ends;  // unit forces on the ends of rows
   std::vector<int> row;         // row of each entry of `ends`
   int numbers = 0;              // count of numbers in `ends`; forces with the same number are on different islands
-  // one entry per island: index in `ends` of the unit force in the current solve, or -1
+  // One entry per island: index in `ends` of the unit force in the current solve, or -1.
   std::vector<int> asked;
-  // saves alpha of each contact while the solves for unit forces use zero
+  // Saves alpha of each contact while the solves for unit forces use zero.
   std::vector<double> gains;
   Eigen::VectorXd by_unit;  // nv: response to unit forces, computed with the matrix K^-1
 
@@ -64,12 +64,12 @@ struct ResistingSprings {
   Eigen::VectorXd of_used;
   Eigen::LLT<Eigen::MatrixXd> factor;           // used for many rows
   Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;  // used for few rows, and if `factor` fails
-  // sparse J K^-1 J^T: entries of all rows, and of the rows in the factorization
+  // Sparse J K^-1 J^T: entries of all rows, and of the rows in the factorization.
   std::vector<Eigen::Triplet<double>> entries, own_entries;
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
-  // the solution without springs: v+ (nv), and the impulses of contacts
+  // The solution without springs: v+ (nv), and the impulses of contacts.
   Eigen::VectorXd without, f_without;
 
   // Sets of groups coupled by springs, and the angular momentum to be restored to each set.

@@ -14,7 +14,7 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-// most joints with forces in a robot for which mobilities are computed
+// Most joints with forces in a robot for which mobilities are computed.
 constexpr int kMostAsked = 100;
 
 // Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
@@ -74,7 +74,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  // zero gains, so that placement errors do not affect mobilities
+  // With zero gains, placement errors do not affect mobilities.
   rest.follow(scene, 0);
   SceneData data(rest.scene);
   data.active = active;

@@ -24,7 +24,7 @@ struct SimulationBatch::Part {
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  // null if the thread's data are used
+  // Null if the thread's data are used.
   std::unique_ptr<SimulationData> own;
   std::vector<SimulationData> alone;  // empty, or one entry per state
   Eigen::VectorXd u;                  // workspace
@@ -273,7 +273,7 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[copy], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      // the surplus copies repeat the last state, and are set too
+      // The surplus copies repeat the last state, and are set too.
       for (int at = copy; at < last; ++at) {
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);

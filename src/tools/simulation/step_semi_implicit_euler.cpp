@@ -145,7 +145,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
   d.dynamics.a = d.dynamics.a / h + d.stop;
-  // the solution does not belong to the state after the step
+  // The solution does not belong to the state after the step.
   give_up_solution(d.dynamics);
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;

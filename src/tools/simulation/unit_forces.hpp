@@ -12,12 +12,12 @@ namespace manycontact::internal {
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
-  // index of a spring between points, whose ends on `island` the force acts on
+  // Index of a spring between points, whose ends on `island` the force acts on.
   int spring = -1;
   Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; B's end gets the opposite
-  // index of a joint's coordinate in the scene's v, on which the force acts
+  // Index of a joint's coordinate in the scene's v, on which the force acts.
   int coordinate = -1;
-  // set by UnitTorques; forces with the same number are on different islands
+  // Set by UnitTorques; forces with the same number are on different islands.
   int island = -1, number = 0;
 };
 
@@ -51,9 +51,9 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  // one entry per spring: index of the wrench on its end, or -1 if the end is fixed to the world
+  // One entry per spring: index of the wrench on its end, or -1 if the end is fixed to the world.
   std::vector<int> push_[2];
-  // one entry per spring: island of its end, or -1 if the end is fixed to the world
+  // One entry per spring: island of its end, or -1 if the end is fixed to the world.
   std::vector<int> island_of_end_[2];
   Scene ends_;  // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;

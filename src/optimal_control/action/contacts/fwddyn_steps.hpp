@@ -33,8 +33,7 @@ Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
   return kind(actuation, scene) != Actuation::kActuated;
 }
-/// Computes m.custom for a custom actuation: the derivatives w.r.t. x and u, from those w.r.t. torques and dtau/d(x,
-/// u).
+/// Computes m.custom for a custom actuation: derivatives w.r.t. x and u, from those w.r.t. torques and of tau(x, u).
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
 
 }  // namespace manycontact::internal

@@ -99,16 +99,14 @@ void ConstraintModelManager::count() {
 
 namespace {
 
-// Returns a predicate that is true for constraints that are active in running nodes, or, if terminal, in terminal
-// nodes.
+// Returns a predicate that is true for constraints that are active in running nodes (terminal: in terminal nodes).
 auto holding(bool terminal) {
   return [terminal](const ConstraintItem& item) {
     return item.active && (!terminal || item.constraint->get_T_constraint());
   };
 }
 
-// Returns for each block of a residual the rows that are in `kept`. They become the rows first, first + 1, ... of g or
-// h.
+// Returns the rows of each block of a residual that are in `kept`. They become rows first, first + 1, ... of g or h.
 std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<int>& kept, int first, bool sparse,
                         BlockSparse& X, BlockSparse& U) {
   std::vector<int> place(residual.r.size(), -1);

@@ -191,7 +191,7 @@ void CostGroups::add_own(const std::vector<double>& weights, bool terminal, Cost
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
   add_own(weights, terminal, out);
-  // all nodes that a thread evaluates share one workspace, so that it remains in the cache
+  // All nodes that a thread evaluates share one workspace, so that it remains in the cache.
   thread_local Scratch work;
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);

@@ -111,8 +111,7 @@ void WrenchCone::update() {
   ub_[n] = get_max_nforce();
   pressure_rows(R, box_[1], 0, A_.middleRows<2>(n + 1));
   pressure_rows(R, box_[0], 1, A_.middleRows<2>(n + 3));
-  // Bounds of the yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015): four lower bounds, then four upper
-  // ones.
+  // The yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015) has four lower bounds, then four upper bounds.
   const double L = box_[0] / 2, W = box_[1] / 2;
   if (!std::isfinite(L + W)) return;
   const double mu = facet_mu(get_mu(), get_nf(), get_inner_appr());

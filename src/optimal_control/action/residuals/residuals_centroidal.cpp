@@ -100,9 +100,9 @@ void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const
   }
 }
 
-// The momentum of a subtree is h = [l; k]. With its inertia Yc and the velocity v_p of its parent body, dh/dq_i = S x*
-// h + Yc (v_p x S) and dh/dv_i = Yc S. About the centre of mass c, the angular momentum changes by dk - dc x l - c x
-// dl, where l is that of all robots.
+// The momentum of a subtree is h = [l; k]. With its inertia Yc and the velocity v_p of its parent body,
+//     dh/dq_i = S x* h + Yc (v_p x S)        dh/dv_i = Yc S
+// About the centre of mass c, the angular momentum changes by dk - dc x l - c x dl, where l is that of all robots.
 void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                                   const ConstVectorRef&) const {
   auto& d = internal::own<CentroidalData>(data);

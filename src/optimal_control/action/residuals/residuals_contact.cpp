@@ -134,7 +134,7 @@ void ContactResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&
     return;
   }
   const Contact& contact = *d.contact->contact;
-  // repeated here, because the contact's axis may have changed since lay_out
+  // This is repeated, because the contact's axis may have changed since lay_out.
   internal::unit_wrenches(contact.type, contact.axis, d.P);
   if (axes_ != ConeAxes::kContact) {
     find_axes(contact, axes_, d);

@@ -7,7 +7,7 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  // velocities of bodies and momenta of subtrees for the joint velocities w, per robot and joint
+  // Velocities of bodies and momenta of subtrees for the joint velocities w, per robot and joint.
   std::vector<std::vector<Vec6<double>>> v, h;
   Eigen::VectorXd w;     // velocity jump v+ - v (nv)
   Eigen::MatrixXd Jcom;  // 3 x nv

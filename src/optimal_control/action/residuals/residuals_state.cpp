@@ -18,8 +18,7 @@ void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<in
   block.constant = true;
 }
 
-// Returns the state if its class is StateMultibody, otherwise null, because derived classes may define other
-// differences.
+// Returns the state if its class is StateMultibody, else null, because derived classes may have other differences.
 const StateMultibody* exact_multibody(const StateAbstract& state) {
   return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
 }

@@ -24,7 +24,7 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-// the penalty increases if m after a minimisation is more than this multiple of m before
+// The penalty increases if m after a minimisation is more than this multiple of m before.
 constexpr double kProgress = 0.1;
 constexpr double kHoped = 0.3;  // expected multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -34,12 +34,12 @@ constexpr int kFlat = 2;                // consecutive minimisations without a s
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
 constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
 constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
-// number of iterations between two tests for slow convergence of a minimisation
+// Number of iterations between two tests for slow convergence of a minimisation.
 constexpr int kWindow = 10;
 // Gauss-Newton steps are slow if `stop` is above kSlow times its value two iterations before, and above kStillSlow
 // times its value one iteration before
 constexpr double kSlow = 0.1;
-// see kSlow
+// See the comment on kSlow.
 constexpr double kStillSlow = 0.3;
 constexpr double kNearer = 0.1;  // quasi-Newton steps are retried below this multiple of `stop` at their failure
 constexpr double kCrawl = 0.01;  // smallest useful reduction, relative to the constraints' terms

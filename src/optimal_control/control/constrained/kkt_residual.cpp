@@ -91,7 +91,7 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, scale, worst);
-    // if coupled, scene_gradient eliminates the wrenches with derivatives of the whole scene's dynamics
+    // If coupled, scene_gradient eliminates the wrenches with derivatives of the whole scene's dynamics.
     if (coupled) {
       scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d),
                      l[std::min(t + 1, T)], t == T, y ? *y : none, by_x, by_u);

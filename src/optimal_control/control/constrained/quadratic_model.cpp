@@ -16,7 +16,7 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
   if (terminal) return;
   to.r = from.Lu;
   from.dynamics(to.A, to.B);
-  // adds zero columns for a node with fewer controls than others
+  // Adds zero columns for a node with fewer controls than others.
   if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {
     to.B.conservativeResize(Eigen::NoChange, u);
     to.B.rightCols(u - own).setZero();

@@ -32,14 +32,14 @@ constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
 // Negative numbers mean changes of zero controls instead of the candidate's controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
-// a search ends if kCreepingWindow iterations leave at least this share of |r|^2
+// A search ends if kCreepingWindow iterations leave at least this share of |r|^2.
 constexpr double kCreeping = 0.99;
-// used instead of kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2
+// Used instead of kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2.
 constexpr double kSettled = 1 - 1e-12;
 constexpr std::size_t kCreepingWindow = 8;
-// the original candidate is preferred if its violation is at most this multiple of the least violation
+// The original candidate is preferred if its violation is at most this multiple of the least violation.
 constexpr double kAsNear = 1.01;
-// the solve continues if a candidate reduces the violation to at most this share
+// The solve continues if a candidate reduces the violation to at most this share.
 constexpr double kMuchNearer = 0.5;
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
@@ -47,10 +47,10 @@ constexpr int kLevellings = 50, kIdleLevellings = 12;
 // Initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor by which it increases.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 constexpr double kLongest = 10;  // longest first step, in units of the largest control
-// a search has returned to the candidate if its result is worse by at most this share
+// A search has returned to the candidate if its result is worse by at most this share.
 constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
-// constraints are infeasible if controls within limits reduce |r|^2 by at most this share
+// Constraints are infeasible if controls within limits reduce |r|^2 by at most this share.
 constexpr double kBeyond = 0.1;
 constexpr int kSaddles = 4;  // most searches that restart from a smaller violation near the candidate
 
@@ -64,7 +64,7 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back())
-      // an unchanged value is that of a rejected step, which is repeated with more regularisation
+      // An unchanged value is that of a rejected step, which is repeated with more regularisation.
       last_.push_back(left);
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
@@ -208,7 +208,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
-  // adds constant controls, because the effects of controls that vary from node to node would cancel
+  // Adds constant controls, because the effects of controls that vary from node to node would cancel.
   if (!beside)
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
@@ -247,7 +247,7 @@ double AL::jacobianSize(Restoration& own) {
   std::vector<Eigen::VectorXd> signs;    // signs of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
-  // not negative, because the multiplier of an inequality has a fixed sign
+  // The shares are not negative, because the multiplier of an inequality has a fixed sign.
   std::uniform_real_distribution<double> share(0, 2);
   double squares = 0;
   for (int k = 0; k < kDraws; ++k) {
@@ -380,7 +380,7 @@ StopReason AL::restore(std::size_t maxiter) {
   // A violation below `shows` is only the rounding error of squared numbers, and does not prove infeasibility.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
-  // the original motion is preferred if it is about as good
+  // The original motion is preferred if it is about as good.
   if (shown && violation_ > std::max(th_constraint_, shows)) {
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;

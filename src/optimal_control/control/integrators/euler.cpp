@@ -140,8 +140,8 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, I
 
 }  // namespace
 
-// Computes Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x] and Fu = J2 [h^2 a_u; h a_u], where J1, J2 are the derivatives of x
-// (+) dx.
+// Computes the following Fx and Fu, where J1 and J2 are the derivatives of x (+) dx.
+//     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x]        Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::differentiate(IntegratedActionDataEuler& d, const ConstVectorRef& x,
                                                const ConstVectorRef* u) {
   if (!u) return calcDiff_terminal(x, d);

@@ -137,7 +137,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   kinematics_at_start(of);
   leave_out_alpha_of_turning_rows();
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
-    // the robot of of.scene, because the joint inertias of `scene` change below
+    // This is the robot of of.scene, because the joint inertias of `scene` change below.
     const Robot& robot = of.scene.robots[r];
     const Model& model = *robot.model;
     inverse_dynamics<double>(model, kin[r], turn_.data() + robot.idx_v, {}, robots_[r].f,
@@ -178,9 +178,8 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// Computes the derivatives F of the accelerations. With the inverse dynamics b = ID(q, v, -w x v) and G = [dtau/dx
-// dtau/dw] - [b_q b_v 0] - (damping of joints), they are
-//     F = [a_q, s a_v, 0] + a_tau G
+// Computes the derivatives F of the accelerations, with the inverse dynamics b = ID(q, v, -w x v):
+//     F = [a_q, s a_v, 0] + a_tau G        G = [dtau/dx dtau/dw] - [b_q b_v 0] - (damping of joints)
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;
   dtau_.setZero();

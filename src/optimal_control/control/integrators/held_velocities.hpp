@@ -30,7 +30,7 @@ struct HeldVelocities {
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
-  // scene of `of` without gravity, with inertias that include `joints`, and with contact gains beta / s
+  // Scene of `of` without gravity, with inertias that include `joints`, and with contact gains beta / s.
   Scene scene;
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // q, v: the state; slow: s v
@@ -66,7 +66,7 @@ struct HeldVelocities {
   // nv: torques of motors, external wrenches and springs, and the same without the bias
   Eigen::VectorXd torques_, torques_of_motion_;
   Eigen::SparseMatrix<double> dtau_dx_;  // nv x ndx: derivatives of torques_; every entry is stored
-  // null if there are no applied forces
+  // Null if there are no applied forces.
   std::unique_ptr<AppliedForces<double>> applied_;
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;

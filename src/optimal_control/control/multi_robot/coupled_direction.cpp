@@ -134,8 +134,8 @@ void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& 
   });
 }
 
-// Solves the linear-quadratic problem with gradient g for the controls and zero for the states. The result is nu = du -
-// K dx = -H^-1 g.
+// Solves the linear-quadratic problem with gradient g for the controls and zero for the states, which gives
+//     nu = du - K dx = -H^-1 g
 void CoupledDirection::precondition_feed_forward(Vectors& g) {
   const std::size_t T = g.size();
   lq_.x0.setZero();
@@ -188,7 +188,7 @@ std::vector<Direction::Gains> CoupledDirection::gains(std::size_t t) const {
     const Eigen::MatrixXd& K = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K;
     if (K.rows() < clusters[c].nu) return {};
     out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
-    // the same order as in x_start and u_start
+    // The order is that of x_start and u_start.
     for (const int b : clusters[c].blocks) {
       for (const int i : blocks_[b].dx) out.back().dx.push_back(part_.dx[i]);
       for (const int i : blocks_[b].u) out.back().u.push_back(part_.u[t][i]);

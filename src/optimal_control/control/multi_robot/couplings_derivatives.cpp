@@ -15,8 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// The equations of the couplings, rows [dx; du] + by_w w = 0, where dx, du are those of the node and w are the
-// wrenches.
+// The equations of the couplings, rows [dx; du] + by_w w = 0, with dx, du of the whole node and with the wrenches w.
 struct CouplingSystem {
   MatrixXd rows, by_w;
 };
@@ -49,7 +48,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
       Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
   if (m == 6) return N;
-  // a hinge leaves the rotation about its axis free
+  // A hinge leaves the rotation about its axis free.
   if (m == 5) {
     N.row(0).tail<3>() = Vec3<double>(W.row(3).tail<3>()).cross(Vec3<double>(W.row(4).tail<3>()));
   } else {
@@ -68,8 +67,8 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
 }
 
 // Adds terms of one end to C and D: the rotation of the frame of r2, the term delta f, and rows for components that W
-// does not have. With the force F in A's axes, s = J_A dq_A, and the rotation th of a world-aligned frame, d(W F) = W
-// (X^T w - s x* F + th x F).
+// does not have. The derivative is d(W F) = W (X^T w - s x* F + th x F), with the force F in A's axes, s = J_A dq_A, and
+// the rotation th of a world-aligned frame.
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -106,8 +105,7 @@ struct PartGradient {
   }
 };
 
-// Computes Lx + A^T next and Lu + B^T next of all subproblems at constant wrenches, and the gradient by_w w.r.t.
-// wrenches.
+// Computes Lx + A^T next and Lu + B^T next of all subproblems at constant wrenches w, and the gradient by_w w.r.t. w.
 void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
                        VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
@@ -158,7 +156,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
-  // rows of constrained directions, which contain derivatives of r2
+  // Rows of constrained directions, which contain derivatives of r2.
   auto C_held = C.topRows(m), D_held = D.topRows(m);
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];

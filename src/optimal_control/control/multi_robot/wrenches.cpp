@@ -28,7 +28,7 @@ Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
 // Returns whether coordinate j moves the motion subspace S_k of coordinate k of the same chain. It does unless j's
 // joint is below k's joint.
 bool moves_subspace(const Model& model, int j, int k) {
-  // indices ascend along a chain, so that j belongs to an ancestor or to the same joint
+  // Indices ascend along a chain, so that j belongs to an ancestor or to the same joint.
   if (j <= k) return true;
   for (const Joint& joint : model.joints)
     if (k >= joint.idx_v && k < joint.idx_v + joint.nv()) return j < joint.idx_v + joint.nv();

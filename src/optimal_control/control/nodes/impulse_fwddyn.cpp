@@ -50,8 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry of M (i and its ancestor
-  // j).
+  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, ancestor j) of M.
   std::vector<int> lower, upper;
 };
 
@@ -140,7 +139,7 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      // overwrites dq_upper on the diagonal, which is intended
+      // Overwrites dq_upper on the diagonal, which is intended.
       by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];
     });
   }
@@ -225,7 +224,7 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
       multibody(dynamics->multibody.get()) {
   const StateAbstract& state = *model->get_state();
   multibody->scene.gravity.setZero();
-  // finite forces transmit no impulse and are left out
+  // Finite forces transmit no impulse and are left out.
   if (has_applied_forces(multibody->scene)) {
     drop_applied_forces(multibody->scene);
     multibody->solution = SceneData(multibody->scene, multibody->solution.options);

@@ -12,8 +12,7 @@ using V = Eigen::VectorXd;
 
 namespace {
 
-// Computes cost and constraints, in discrete or continuous time. In a terminal node u is null, and terms in u are left
-// out.
+// Computes cost and constraints, in discrete or continuous time. A terminal node has u = null and no terms in u.
 template <class Data>
 void linear_quadratic_values(const LinearQuadraticTerms& m, const ConstVectorRef& x, const ConstVectorRef* u, Data& d) {
   d.Lx = m.get_q();  // q + Q x / 2

@@ -144,7 +144,7 @@ void SolverDDP::start(const Vectors& init_xs, const Vectors& init_us, bool is_fe
 bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter, bool is_feasible,
                       double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
-  // reserves memory for the optimality test at the end
+  // Reserves memory for the optimality test at the end.
   if (judges_ && keeps_limits()) allocateDescent();
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
@@ -278,11 +278,11 @@ double SolverDDP::calcDiff() {
   cost_ = problem_->calcDiff(xs_, us_);
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
-  // because limits apply only to feasible candidates
+  // Limits apply only to feasible candidates.
   if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;
-  // largest gaps, relative to the states, that may be rounding errors of another program
+  // Largest gaps, relative to the states, that may be rounding errors of another program.
   constexpr double kRounded = 1e-12;
-  // the caller may have declared a guess with gaps feasible
+  // The caller may have declared a guess with gaps feasible.
   if (iter_ == 0 && is_feasible_)
     is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
   gfeas_ = computeInequalityFeasibility();
@@ -301,7 +301,7 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   cost_try_ = 0;
   for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN if any is NaN
   if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
-  // this is thread-safe, because directions write different entries
+  // This is thread-safe, because directions write different entries.
   each_direction([this](Direction& own) {
     for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
     own.give_u(own.us_try_, us_try_);

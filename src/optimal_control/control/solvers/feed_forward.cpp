@@ -15,7 +15,7 @@ constexpr double kArmijo = 1e-4;             // least accepted share of the redu
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
 constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, relative to a rejected step length
 constexpr int kTrials = 12;
-// two consecutive steps below kShort, or one step below kVeryShort, end descend
+// Two consecutive steps below kShort, or one step below kVeryShort, end descend.
 constexpr double kShort = 0.11, kVeryShort = 0.01;
 
 }  // namespace
@@ -86,7 +86,7 @@ void SolverDDP::computeFeedForwardDirection() {
   } else {
     finish();
   }
-  // only the negative gradient is guaranteed to descend after clamping
+  // Only the negative gradient is guaranteed to descend after clamping.
   if (slope_ >= 0 && stop_ > 0) {
     const double size = 2 * stop_ / dot(g_, g_);
     for (std::size_t t = 0; t < nu_.size(); ++t) nu_[t] = size * g_[t];
@@ -99,7 +99,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
-  // because a larger regularisation would make `stop` smaller
+  // A larger regularisation would make `stop` smaller.
   if (judges_) preg_ = dreg_ = reg_min_ * scale_;
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];

@@ -7,7 +7,7 @@ namespace manycontact {
 
 namespace {
 
-// smallest accepted s^T y / (|s| |y|), where the step s changes the gradient by y
+// Smallest accepted s^T y / (|s| |y|), where the step s changes the gradient by y.
 constexpr double kLeastCurvature = 1e-10;
 
 void add_scaled(double a, const LimitedBfgs::Vectors& x, LimitedBfgs::Vectors& to) {

@@ -229,7 +229,7 @@ double RiccatiDirection::gap_improvement() {
   if (is_feasible_) return dv;
   const std::size_t T = k_.size();
   for (std::size_t k = 0; k <= T; ++k) {
-    // terminal node first, as in Crocoddyl
+    // The terminal node comes first, as in Crocoddyl.
     const std::size_t t = k == 0 ? T : k - 1;
     part_.problem->model(t)->get_state()->diff(xs_try_[t], xs_[t], step_);
     dv -= Vxx_fs_[t].dot(step_);

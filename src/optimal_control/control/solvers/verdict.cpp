@@ -76,7 +76,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  // most rounds, each with one backward pass, and most consecutive rounds without gain
+  // Most rounds, each with one backward pass, and most consecutive rounds without gain.
   constexpr int kRounds = 20, kIdle = 3;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {

@@ -23,7 +23,7 @@ struct Torque {
 struct Bore {
   int nodes = 0;
   double least = INFINITY, most = 0;  // least and largest normal force [N]
-  // largest ratio of tangential to normal force, and smallest friction coefficient of the cones
+  // Largest ratio of tangential to normal force, and smallest friction coefficient of the cones.
   double ratio = 0, mu = INFINITY;
 };
 

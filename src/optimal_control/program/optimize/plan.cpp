@@ -7,7 +7,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// most costs that are printed, and most findings of a kind that are printed
+// Most costs that are printed, and most findings of a kind that are printed.
 constexpr std::size_t kMostCosts = 12, kMostFindings = 6;
 
 // Prints the findings of one kind, for example "closes: LF ...; LH ...; and 3 more".

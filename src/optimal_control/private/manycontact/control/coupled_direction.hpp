@@ -63,7 +63,7 @@ class CoupledDirection : public Direction {
   lq::Problem lq_;
   lq::Layout layout_;
   std::unique_ptr<lq::DirectionSolver> solver_;
-  // the recursion in solver_ that contains the gains of the clusters
+  // The recursion in solver_ that contains the gains of the clusters.
   const lq::Riccati* policies_ = nullptr;
   lq::Point z_;
   lq::Outcome outcome_;

@@ -52,9 +52,9 @@ class Direction {
   /// Returns (dg, dq). A step of length s is expected to reduce the cost by s (dg + s dq / 2). gaps: includes gap
   /// terms.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
-  // returns the term dv of fddp.cpp at the trial states
+  // Returns the term dv of fddp.cpp at the trial states.
   virtual double gap_improvement() { return 0; }
-  // returns the expected reduction of a full step from a candidate without gaps
+  // Returns the expected reduction of a full step from a candidate without gaps.
   virtual double expected_reduction() const = 0;
 
   /// Functions for SolverDDP::descend. They set k = -nu, compute the gradient g at the trial controls from
@@ -62,15 +62,15 @@ class Direction {
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  // sets entries to zero whose controls were at a limit in the last gradient
+  // Sets entries to zero whose controls were at a limit in the last gradient.
   virtual void hold_feed_forward(Vectors&) {}
-  // sets the size of the cost, which multiplies thresholds
+  // Sets the size of the cost, which multiplies thresholds.
   virtual void set_scale(double) {}
 
  protected:
   /// is_whole: whether the subproblem is the solver's whole problem, with its coordinates in the same order.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  // computes us_try[t] from xs_try[t]
+  // Computes us_try[t] from xs_try[t].
   virtual void step_control(std::size_t t, double steplength) = 0;
 
   ShootingPart part_;
@@ -79,7 +79,7 @@ class Direction {
   bool is_feasible_ = false;
   Vectors Vx_, k_, dx_;   // T + 1, T, T
   Eigen::VectorXd step_;  // ndx: workspace
-  // whether the last gradient has other controls at limits than the gradient before it
+  // Whether the last gradient has other controls at limits than the gradient before it.
   bool held_changed_ = false;
 
  private:

@@ -91,7 +91,7 @@ class BoxDirection : public RiccatiDirection {  // A direction within the models
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
   Eigen::VectorXd du_lb_, du_ub_;  // bounds of du at the current node
-  // flags of the controls of each node that were at a limit in the last gradient
+  // Flags of the controls of each node that were at a limit in the last gradient.
   std::vector<std::vector<bool>> held_;
 };
 

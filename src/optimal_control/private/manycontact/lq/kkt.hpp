@@ -1,6 +1,5 @@
 #pragma once
-// The optimality conditions H z + h = 0 of lq/problem.hpp, with H symmetric and z = (x, u, w, lambda, mu), and their
-// error.
+// The optimality conditions H z + h = 0 of lq/problem.hpp and their error. H is symmetric; z = (x, u, w, lambda, mu).
 
 #include "manycontact/lq/problem.hpp"
 

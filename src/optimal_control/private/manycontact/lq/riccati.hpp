@@ -2,10 +2,10 @@
 // The Riccati recursion, on one dense block or by clusters of blocks ("islands through time").
 //
 // The value function of knot k, V(x) = 1/2 x^T P x + p^T x + const, is block diagonal over the clusters, which are sets
-// of blocks that groups or couplings join in knot k or later. For k = T ... 0, with P+, p+ of knot k + 1, and t = p+ +
-// P+ f:
+// of blocks that groups or couplings join in knot k or later. For k = T ... 0, with P+, p+ of knot k + 1:
 //
-//   Qxx = Q + A^T P+ A     Qxv = S + A^T P+ B     Qvv = R + B^T P+ B     qx = q + A^T t     qv = r + B^T t
+//   Qxx = Q + A^T P+ A     Qxv = S + A^T P+ B     Qvv = R + B^T P+ B     t = p+ + P+ f
+//   qx = q + A^T t         qv = r + B^T t
 //   [ Qvv    D^T    ] [ K  k  ]     [ Qxv^T  qv ]
 //   [ D   -reg.rows ] [ K' k' ] = - [ C      d  ]        v = K x + k,  mu = K' x + k'
 //   P = Qxx + Qxv K + C^T K'       p = qx + K^T qv + K'^T d

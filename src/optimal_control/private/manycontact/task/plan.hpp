@@ -11,13 +11,13 @@ struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
   double time = 0;  // s
-  // height [m] of A's origin above its reference along the world's z, or for two bodies the distance of the frames
+  // Height [m] of A's origin above its reference along the world's z, or for two bodies the distance of the frames.
   double above = 0;
-  // horizontal distance [m] of A's origin from its reference
+  // Horizontal distance [m] of A's origin from its reference.
   double aside = 0;
-  // speed [m/s] of A's origin relative to B'
+  // Speed [m/s] of A's origin relative to B'.
   double speed = 0;
-  // whether the frames are fixed where they are, and not at the scene's placement (TaskPhase::at_scene)
+  // Whether the frames are fixed where they are, and not at the scene's placement (TaskPhase::at_scene).
   bool holds_there = true;
 };
 /// Returns the closings in the order of time. In a step forward, `aside` is nonzero. If a contact closes in the air,
@@ -37,7 +37,7 @@ struct PlanCost {  // A <cost> of the task, summed over all phases and all copie
   std::string name;
   TaskResidual residual = TaskResidual::kState;
   double cost = 0;  // sum over all nodes, with the solver's weights
-  // whether the residual is a place or an orientation: frame_placement, _translation, _rotation, com
+  // Whether the residual is a place or an orientation: frame_placement, _translation, _rotation, com.
   bool is_goal = false;
   // |r| [m, rad] of a goal, for the worst copy at the last node that has the cost
   double missed = 0;

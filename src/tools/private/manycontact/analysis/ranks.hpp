@@ -37,7 +37,7 @@ struct Lighter {
 };
 
 struct IslandRanks {  // Result of find_ranks for one island.
-  // whether rank and redundant are computed; they are not if the island is too large
+  // Whether rank and redundant are computed; they are not if the island is too large.
   bool known = false;
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: whether it depends on the rows before it

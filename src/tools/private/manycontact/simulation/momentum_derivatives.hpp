@@ -37,7 +37,7 @@ struct FreeMotionDerivatives {
     Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; only columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
-  // one entry per group of FreeGroups::groups; empty for a group that is tied to the world
+  // One entry per group of FreeGroups::groups; empty for a group that is tied to the world.
   std::vector<OfGroup> groups;
   /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference point.
   struct Carried {

@@ -28,7 +28,7 @@ struct PostureData {  // Smallest sigma of each island, and workspace for its so
 
   SceneAtRest rest;
   SceneData dynamics;
-  // flags of the contacts that were active at the last state
+  // Flags of the contacts that were active at the last state.
   std::vector<char> active;
   bool known = false;    // whether w, x, sigma belong to the last state
   Eigen::VectorXd w, x;  // rows of f; nv

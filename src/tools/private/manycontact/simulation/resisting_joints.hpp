@@ -36,7 +36,7 @@ struct ResistingJoints {
   Eigen::VectorXd kept, kept_k;
   std::vector<int> rubbing;  // coordinates with friction
 
-  // whether added inertias may change; then robots do not share models
+  // Whether added inertias may change; then robots do not share models.
   bool vary = false;
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
