@@ -61,7 +61,7 @@ class Watch {
   PostureData posture_;
   // Least ratio of the smallest to the largest singular value, and its time.
   double least_share_ = 1, share_time_ = 0;
-  // First time at which this ratio is near zero, or -1.
+  // First time at which the least singular value is near zero, relative to the largest, or -1.
   double singular_time_ = -1;
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;

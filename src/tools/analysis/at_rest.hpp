@@ -74,7 +74,7 @@ class AtRest {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// Returns Jdot v. The bias a0 of a 1D to 3D contact between moving bodies has one more term.
+  /// Returns Jdot v. The bias a0 has one more term, except in 6D contacts, if the contact's frames move relatively.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;

@@ -11,7 +11,7 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// Reads a cost or constraint of a phase with the contacts flagged `active`. terminal: whether it is the last node.
+  /// Reads a cost or constraint of a phase with the contacts flagged `active`, or, if `terminal`, of the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
   /// Returns the indices of the scene's contacts called `name`: one contact, or all copies of a contact.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;

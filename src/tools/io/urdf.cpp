@@ -400,7 +400,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // The links of urdfdom own their children. Unlink releases them one by one, because recursion could exhaust the stack.
+  // The links of urdfdom own their children. Unlink releases them singly, because recursion could exhaust the stack.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

@@ -32,7 +32,7 @@ std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
   return model;
 }
 
-// Returns whether the workspace `held`, which is updated, fits the current robots and contacts of the data.
+// Updates the workspace `held`. Returns whether it fits the current robots and contacts of the data.
 bool is_of(HeldVelocities& held, const DataCollector& of, double h) {
   if (!held.serve(of, h)) return false;
   for (std::size_t c = 0; c < of.scene.contacts.size(); ++c)

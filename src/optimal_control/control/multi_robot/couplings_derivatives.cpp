@@ -67,8 +67,8 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
 }
 
 // Adds terms of one end to C and D: the rotation of the frame of r2, the term delta f, and rows for components that W
-// does not have. The derivative is d(W F) = W (X^T w - s x* F + th x F), with the force F in A's axes, s = J_A dq_A, and
-// the rotation th of a world-aligned frame.
+// does not have. The derivative is d(W F) = W (X^T w - s x* F + th x F), with the force F in A's axes, s = J_A dq_A,
+// and the rotation th of a world-aligned frame.
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;

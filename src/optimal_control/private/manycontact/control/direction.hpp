@@ -70,7 +70,7 @@ class Direction {
  protected:
   /// is_whole: whether the subproblem is the solver's whole problem, with its coordinates in the same order.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  // Computes us_try[t] from xs_try[t].
+  // Computes the trial controls us_try[t] at the trial state xs_try[t].
   virtual void step_control(std::size_t t, double steplength) = 0;
 
   ShootingPart part_;

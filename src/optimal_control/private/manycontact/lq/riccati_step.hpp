@@ -1,6 +1,5 @@
 #pragma once
-// One step of the Riccati recursion on dense matrices, with controls v, states x, P+ of the next knot and t = p+ + P+
-// f.
+// One step of the Riccati recursion on dense matrices. v: controls, x: states, P+: P of the next knot, t = p+ + P+ f.
 //
 //     [ Qvv  Qvx ]   [ R  S^T ]                                [ qv ]
 //     [ Qxv  Qxx ] = [ S  Q   ] + F^T P+ F,    F = [B  A],     [ qx ] += F^T t
