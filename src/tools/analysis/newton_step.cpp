@@ -34,8 +34,8 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
     if (!free_[i]) z[i] = 0;
 }
 
-// In the following, H is the Hessian, g the gradient at x = 0, and r = -(g + H x). The quadratic model decreases by (r
-// - g)^T x / 2.
+// Below, H is the Hessian, g the gradient at x = 0, and r = -(g + H x). The quadratic model decreases by
+//     (r - g)^T x / 2
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
   constexpr double kDifference = 1e-6;  // step of finite differences [rad, m]; relative error of Hessian products

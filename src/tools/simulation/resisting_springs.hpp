@@ -27,7 +27,7 @@ struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
   Scene loads;  // the scene with all loads except springs between points
-  // Null if there are no such loads.
+  // Applied forces of `loads`, or null if `loads` has none.
   std::shared_ptr<AppliedForces<double>> of_loads;
   // Upper bound per spring: J M^-1 J^T of its bodies alone [1/kg].
   std::vector<double> mobility;

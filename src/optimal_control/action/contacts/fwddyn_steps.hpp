@@ -26,8 +26,7 @@ void fill_contact_derivatives(bool forces, DataCollector& m);
 /// Copies the panels of the islands to Fx and Fu, in dense or sparse storage.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
-// What u contains: torques of actuated coordinates (kActuated), torques of all coordinates (kAll), or controls of any
-// tau(x, u) (kCustom).
+// The content of u: torques of actuated coordinates, torques of all coordinates, or controls of a general tau(x, u).
 enum class Actuation { kActuated, kAll, kCustom };
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {

@@ -54,7 +54,7 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// Returns the expected reduction at which the next minimisation ends. The constraints' errors are then about 0.09 m.
+// Returns the expected reduction at which the next minimisation ends. Constraints then have errors of about 0.09 times m.
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
@@ -225,8 +225,8 @@ void SolverAugmentedLagrangian::measureViolation() {
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Computes violation, m and KKT residual at the candidate. The multipliers are y+ for the constraints and Vx for the
-// dynamics, because multipliers from an adjoint recursion would grow for unstable motions.
+// Computes violation, KKT residual and m = max |y+ - y| / rho at the candidate. The multipliers are y+ for the
+// constraints and Vx for the dynamics, because multipliers from an adjoint recursion would grow for unstable motions.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // computeDirection calls calc itself at iteration 0
   inner_->set_preg(inner_->get_reg_min() * scale_);
