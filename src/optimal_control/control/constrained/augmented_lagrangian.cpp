@@ -54,7 +54,7 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// Returns the expected reduction at which the next minimisation ends. Constraints then have errors of about 0.09 times m.
+// Returns the expected reduction at which the next minimisation ends. The constraints then have errors of 0.09 times m.
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
