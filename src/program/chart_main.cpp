@@ -1,4 +1,4 @@
-// manycontact-chart: the commands that need quadruple precision.
+// The program manycontact-chart, which contains the commands that need quadruple precision.
 
 #include "command/command.hpp"
 

@@ -1,7 +1,7 @@
-// manycontact-mesh FILE: reads an STL, OBJ or COLLADA file with assimp and writes its triangles to standard output,
-// nine floats each (three vertices, native byte order). If it fails, it exits with status 3 and writes the reason
-// instead. It is a separate program with limited time and memory, because assimp crashes on malicious files, such as a
-// COLLADA node that contains itself, or takes all memory.
+// manycontact-mesh FILE reads an STL, OBJ or COLLADA file with assimp and writes its triangles to standard output, nine
+// floats each (three vertices, native byte order). If it fails, it exits with status 3 and writes the reason instead.
+// It is a separate program with limited time and memory, because assimp crashes on malicious files, such as a COLLADA
+// node that contains itself, or takes all memory.
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -35,7 +35,7 @@ int refuse(const std::string& why) {
 void write(const aiMesh& part) {
   for (unsigned k = 0; k < part.mNumFaces; ++k) {
     const aiFace& face = part.mFaces[k];
-    if (face.mNumIndices != 3) continue;  // a line or a point
+    if (face.mNumIndices != 3) continue;  // the face is a line or a point
     for (unsigned i = 0; i < 3; ++i) {
       if (face.mIndices[i] >= part.mNumVertices) std::abort();
       const aiVector3D& p = part.mVertices[face.mIndices[i]];
@@ -51,7 +51,8 @@ int main(int argc, char** argv) {
   if (argc != 2) return refuse("usage: manycontact-mesh FILE");
   alarm(60);  // seconds
   limit(RLIMIT_CORE, 0);
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of addresses
+// Sanitizers need terabytes of address space.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   limit(RLIMIT_AS, rlim_t(1) << 32);
 #endif
 
@@ -60,7 +61,7 @@ int main(int argc, char** argv) {
   if (format != ".dae" && format != ".obj" && format != ".stl")
     return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
 
-  // Nodes place the meshes, in metres by <unit>. The file's <up_axis> is ignored, as in rviz.
+  // Nodes place the meshes, in metres according to <unit>. The file's <up_axis> is ignored, as in rviz.
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(argv[1], 0);

@@ -1,4 +1,4 @@
-// manycontact-mpi: `manycontact batch` in several processes.
+// The program manycontact-mpi, which runs `manycontact batch` in several processes.
 
 #include <mpi.h>
 
@@ -62,7 +62,7 @@ class MpiCommunicator final : public Communicator {
   void sum(std::vector<std::int64_t>& numbers) override {
     MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   }
-  // Combines the numbers by bitwise OR: a sum would turn -0 into 0.
+  // Combines the numbers by bitwise OR, because a sum would turn -0 into 0.
   void collect(double* numbers, std::int64_t count) override {
     constexpr std::int64_t kMost = std::numeric_limits<int>::max();
     for (std::int64_t first = 0; first < count; first += kMost)

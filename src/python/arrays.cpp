@@ -10,7 +10,7 @@ std::string shape_of(const py::array& array) {
 
 namespace {
 
-// Whether the array can be read in place: aligned float64 in this machine's byte order, in C's order.
+// Returns whether the array can be read in place: aligned float64 in this machine's byte order, in C's order.
 bool is_plain(const py::array& array) {
   return py::isinstance<py::array_t<double, py::array::c_style>>(array) &&
          (array.flags() & py::detail::npy_api::NPY_ARRAY_ALIGNED_) != 0;

@@ -1,9 +1,9 @@
 #pragma once
-// Numpy arrays for Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers that are not
-// finite raise a ValueError with the reason. Objects that are not arrays of numbers raise pybind11's TypeError.
+// Converts between numpy arrays and Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers
+// that are not finite raise a ValueError with the reason. Objects that are not arrays of numbers raise a TypeError.
 //
-//   Eigen matrices, vectors    copied in and out; copies returned by properties are read-only: writing into a copy
-//                              would not change the object
+//   Eigen matrices, vectors    copied in and out; copies that properties return are read-only, because writing into a
+//                              copy would not change the object
 //   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)
 //   view(...)                  an array that views the memory of a matrix, and keeps the matrix's owner alive
@@ -24,7 +24,7 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using Doubles = py::array_t<double, py::array::forcecast>;
 
-/// A vector of bounds: infinite numbers are allowed, NaN is not.
+/// A vector of bounds, which may contain infinite numbers but no NaN.
 struct Bounds {
   Eigen::VectorXd x;
 };
@@ -35,25 +35,26 @@ struct Raw {
   Eigen::Map<const Eigen::VectorXd> vector() const { return {array.data(), array.size()}; }
 };
 
-/// Returns the shape as text: "(3, 4)".
+/// Returns the shape of the array as text, such as "(3, 4)".
 std::string shape_of(const py::array& array);
 
-/// Returns `source` as float64 in C's order; null if it is neither an array nor a sequence of numbers.
+/// Returns `source` as float64 in C's order, or null if it is neither an array nor a sequence of numbers.
 Doubles as_doubles(py::handle source);
 
-/// Returns as_doubles(source). Throws ValueError for a wrong number of dimensions or size; Eigen::Dynamic: any size.
+/// Returns as_doubles(source). Throws ValueError if the number of dimensions or the size is wrong. Eigen::Dynamic means
+/// any size.
 Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols);
 
-/// Throws ValueError if a number is not finite (with `infinite`: is NaN). name: name of the argument, "" if unknown.
+/// Throws ValueError if a number is not finite, or, with `infinite`, if it is NaN. name: the argument's name, or "".
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
 
-/// Makes the array read-only: numpy raises if it is written into.
+/// Makes the array read-only, so that numpy raises an error if it is written into.
 inline py::array read_only(py::array array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
 }
 
-/// Returns a numpy array that views numbers of `owner` and keeps `owner` alive. Strides count doubles.
+/// Returns a numpy array that views numbers of `owner` and keeps `owner` alive. Strides are in numbers, not in bytes.
 inline py::array view(const double* x, std::vector<py::ssize_t> shape, std::vector<py::ssize_t> strides,
                       py::handle owner, bool writeable) {
   for (py::ssize_t& s : strides) s *= static_cast<py::ssize_t>(sizeof(double));
@@ -73,7 +74,7 @@ py::array copy(const M& m) {
   return view(m, py::none(), true).attr("copy")();
 }
 
-/// Returns copy(m), read-only if a property returns it (only properties have the policy reference_internal).
+/// Returns copy(m), which is read-only if a property returns it (only properties have the policy reference_internal).
 template <class M>
 py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
@@ -82,7 +83,8 @@ py::array copy(const M& m, py::return_value_policy policy) {
 /// Throws TypeError for None and text, which numpy would convert to numbers.
 void expect_numbers_in(py::handle values);
 
-/// Assigns values to m as `m[...] = values` does in numpy: their shape is that of m, or is broadcast to it.
+/// Assigns values to m as `m[...] = values` does in numpy. The shape of `values` must equal that of m or broadcast to
+/// it.
 template <class M>
 void assign(M& m, py::handle values) {
   expect_numbers_in(values);

@@ -9,9 +9,10 @@ namespace manycontact::python {
 
 namespace {
 
-std::set<const BatchData*> in_use;  // the data of running batches; read and written with the GIL
+// The data of running batches, read and written with the GIL.
+std::set<const BatchData*> in_use;
 
-// A matrix with a row per state. A state with numbers that are not finite gets the status kFailed.
+// A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.
 struct Rows {
   Doubles array;
   ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {

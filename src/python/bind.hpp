@@ -1,10 +1,10 @@
 #pragma once
-// Binds classes and functions. Their docstrings, and names and default values of parameters, are in docs/*.txt.
+// Binds classes and functions. Their docstrings, and the names and default values of parameters, are in docs/*.txt.
 //
 //   shared<Joint>(m).read<&Joint::name, &Joint::type>().read("mass", &mass_of);
 //   functions<&velocity_names>(m);
 //
-// Classes and members have their C++ names, unless a name is given.
+// Classes and members have their C++ names in Python, unless another name is given.
 
 #include <functional>
 #include <memory>
@@ -19,7 +19,7 @@ namespace manycontact::python {
 /// Lets Python run in other threads during a call.
 using Unlocked = py::call_guard<py::gil_scoped_release>;
 
-/// Calls `each` for consecutive groups of N arguments: for N = 2 and a, b, c, d, each(a, b) and each(c, d).
+/// Calls `each` for consecutive groups of N arguments. For N = 2 and a, b, c, d, these are each(a, b) and each(c, d).
 template <std::size_t N, class Each, class... Given>
 void in_groups(Each&& each, const Given&... given) {
   static_assert(sizeof...(Given) % N == 0);
@@ -36,7 +36,7 @@ void in_groups(Each&& each, const Given&... given) {
 template <class T>
 class Handle;  // defined in handle.hpp
 
-/// The C++ value in an object of a Python class.
+/// Accesses the C++ value in an object of a Python class. For most classes the object itself is the value.
 template <class Held>
 struct ValueOf {
   using Type = Held;
@@ -50,7 +50,7 @@ struct ValueOf<Handle<T>> {
   static Handle<T> make(T x) { return Handle<T>(std::move(x)); }
 };
 
-/// Returns the name in Python of a member, method or function: its C++ name without Crocoddyl's get_.
+/// Returns the Python name of a member, method or function, which is its C++ name without the prefix get_ of Crocoddyl.
 template <auto member>
 std::string python_name_of() {
   std::string name = name_of<member>();
@@ -58,7 +58,7 @@ std::string python_name_of() {
   return name;
 }
 
-/// A Python class. Each of its members and methods has an entry in docs/*.txt.
+/// Defines a Python class. Each of its members and methods has an entry in docs/*.txt.
 template <class T, class... Options>
 class Class {
  public:
@@ -79,20 +79,20 @@ class Class {
     class_.def_static(name, std::forward<F>(f), Described{text(name)}, extra...);
     return *this;
   }
-  /// Adds a constructor: py::init<...>() or py::init(function).
+  /// Adds a constructor, given as py::init<...>() or py::init(function).
   template <class Init, class... Extra>
   requires(!std::is_convertible_v<Init, const char*>) Class& def(Init&& init, const Extra&... extra) {
     class_.def(std::forward<Init>(init), Described{text("__init__")}, extra...);
     return *this;
   }
-  /// Adds constructors, given by the types of their arguments: void(int, double), ...
+  /// Adds constructors, given by the types of their arguments, such as void(int, double).
   template <class... Signatures, class... Extra>
   Class& constructors(const Extra&... extra) {
     const auto add = [&]<class... Arguments>(void (*)(Arguments...)) { def(py::init<Arguments...>(), extra...); };
     (add(static_cast<Signatures*>(nullptr)), ...);
     return *this;
   }
-  /// Adds methods: "name", &T::method, ...
+  /// Adds methods, given as pairs: "name", &T::method, ...
   template <class... Given>
   Class& methods(Given... given) {
     in_groups<2>([this](const char* name, auto method) { def(name, method); }, given...);
@@ -103,7 +103,7 @@ class Class {
     (..., def(python_name_of<member>().c_str(), member));
     return *this;
   }
-  /// Adds methods that let Python run in other threads.
+  /// Adds methods, given as pairs like those of `methods`, that let Python run in other threads.
   template <class... Given>
   Class& unlocked(Given... given) {
     in_groups<2>([this](const char* name, auto method) { def(name, method, Unlocked()); }, given...);
@@ -114,7 +114,7 @@ class Class {
     (..., def(python_name_of<member>().c_str(), member, Unlocked()));
     return *this;
   }
-  /// Adds a constructor that takes the first members of a structure, of the types Members.
+  /// Adds a constructor from the first members of a structure, which have the types Members.
   template <class... Members>
   Class& from_members() {
     return def(py::init(
@@ -126,7 +126,8 @@ class Class {
     return *this;
   }
 
-  /// Adds read-only attributes: "name", getter, ... where a getter is a member, a method or a function of the object.
+  /// Adds read-only attributes, given as pairs: "name", getter, ... A getter is a member, a method or a function of the
+  /// object.
   template <class... Given>
   Class& read(Given... given) {
     in_groups<2>([this](const char* name, auto member) { read_one(name, member); }, given...);
@@ -137,7 +138,7 @@ class Class {
     (..., read_one(python_name_of<member>(), member));
     return *this;
   }
-  /// Adds members of the structure at(object) as read-only attributes, which are copies.
+  /// Adds members of the structure at(object) as read-only attributes. Python gets copies of them.
   template <auto... member, class At>
   Class& read_at(At at) {
     const auto add = [&](const std::string& name, auto m) {
@@ -146,13 +147,13 @@ class Class {
     (..., add(python_name_of<member>(), member));
     return *this;
   }
-  /// Adds members that can be assigned.
+  /// Adds members that can be assigned in Python.
   template <auto... member>
   Class& write() {
     (..., class_.def_readwrite(name_of<member>().c_str(), member, text(name_of<member>()).doc));
     return *this;
   }
-  /// Adds properties: "name", get, set, ...
+  /// Adds properties, given as triples: "name", get, set, ...
   template <class... Given>
   Class& property(Given... given) {
     in_groups<3>([this](const char* name, auto get, auto set) { property_one(name, get, set); }, given...);
@@ -164,7 +165,8 @@ class Class {
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
-  /// Adds a property that is a Handle (an object with attributes), read by get(owner), assigned by set(owner, object).
+  /// Adds a property that is a Handle (an object with attributes). get(owner) reads it, and set(owner, object) assigns
+  /// it.
   template <class Owner, class Get, class Set>
   Class& handle(const char* name, Get get, Set set) {
     using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
@@ -173,13 +175,13 @@ class Class {
     };
     return property(name, found, [=](const Owner& owner, const Held& x) { set(owner, x); });
   }
-  /// Adds matrices as numpy arrays that view their memory; see view_property in objects.hpp.
+  /// Adds matrices as numpy arrays that view their memory (view_property in objects.hpp).
   template <auto... member>
   Class& views() {
     (..., view_property(*this, name_of<member>().c_str(), member));
     return *this;
   }
-  /// Adds members of an object that belongs to another object; see handle_field in handle.hpp.
+  /// Adds members of an object that belongs to another object (handle_field in handle.hpp).
   template <auto... member>
   Class& fields() {
     (..., handle_field(*this, name_of<member>().c_str(), member));
@@ -187,7 +189,7 @@ class Class {
   }
 
  private:
-  // Not inlined: all members of one type then share one compiled function.
+  // This is not inlined, so that all members of one type share one compiled function.
   template <class M>
   [[gnu::noinline]] void read_one(const std::string& name, M member) {
     if constexpr (std::is_member_object_pointer_v<M>)
@@ -205,14 +207,14 @@ class Class {
   py::class_<T, Options...> class_;
 };
 
-/// A class whose objects C++ and Python share.
+/// Defines a class whose objects are shared by C++ and Python.
 template <class T, class... Bases, class... Extra>
 Class<T, Bases..., std::shared_ptr<T>> shared(py::module_& m, const std::string& name = type_name<T>(),
                                               const Extra&... extra) {
   return {m, name, extra...};
 }
 
-/// Adds a function of the module, with the docs/*.txt entry of its name, or the entry `entry`.
+/// Adds a function of the module. `entry` is the key of its entry in docs/*.txt; `def` uses the function's name.
 template <class F, class... Extra>
 void def_as(py::module_& m, const char* name, const char* entry, F&& f, const Extra&... extra) {
   m.def(name, std::forward<F>(f), Described{text_of(entry)}, extra...);

@@ -1,5 +1,5 @@
 #pragma once
-// SceneData in Python, used by one thread at a time. Arrays of derivatives keep their numbers if SceneData changes.
+// SceneData in Python, for one thread at a time. Arrays of derivatives keep their numbers if SceneData changes.
 
 #include <unordered_map>
 
@@ -9,7 +9,7 @@
 
 namespace manycontact::python {
 
-/// Keeps the memory of numpy arrays that view an island's panel alive: the SceneData, or later the panel alone.
+/// Keeps the memory alive that numpy arrays of an island's panel view: the SceneData, or, if these change, the panel.
 struct PanelKeeper {
   std::shared_ptr<SceneData> data;
   AlignedPanel panel;
@@ -19,13 +19,14 @@ class Data {
  public:
   explicit Data(std::shared_ptr<SceneData> data) : data_(std::move(data)), state_(std::make_shared<State>()) {}
 
-  /// Returns the data for reading, with the GIL. Throws ValueError while another thread works on them.
+  /// Returns the data for reading, while the GIL is held. Throws ValueError if another thread works on them.
   SceneData& at_rest() const {
     if (state_->busy) throw_busy();
     return *data_;
   }
 
-  /// Calls work(SceneData&) without the GIL. Arrays of derivatives keep their memory; SceneData gets a copy of it.
+  /// Calls work(SceneData&) without the GIL. Before, numpy arrays of derivatives take over the memory that they view,
+  /// and SceneData gets a copy.
   template <class Work>
   auto use(Work&& work) const {
     const Turn turn(*state_);
@@ -34,7 +35,7 @@ class Data {
     return work(*data_);
   }
 
-  /// Calls contact_force. The scene is checked only in the first call after a solve.
+  /// Returns the result of contact_force. The scene is checked only in the first call after a solve.
   Eigen::VectorXd force_of(const Scene& scene, int contact) const;
 
   /// Returns an array that views a block of an island's panel.
@@ -44,9 +45,10 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
-    const Scene* checked_scene = nullptr;  // the last check of force_of: the scene ...
-    std::uint64_t checked_serial = 0;      // ... at this solve ...
-    std::vector<char> checked_active;      // ... with these contacts
+    // Scene, solve and active contacts at the last check of force_of.
+    const Scene* checked_scene = nullptr;
+    std::uint64_t checked_serial = 0;  // serial of that solve
+    std::vector<char> checked_active;  // flags of the contacts
   };
   struct Turn {
     explicit Turn(State& s) : state(s) {
@@ -64,7 +66,7 @@ class Data {
   std::shared_ptr<State> state_;
 };
 
-/// Returns f(scene, data) as a function for Python that returns convert(result).
+/// Returns a function for Python that returns convert(f(scene, data)).
 template <class F, class Convert = std::identity>
 auto with_data(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Data& data) {
@@ -75,7 +77,7 @@ auto with_data(F f, Convert convert = {}) {
       return convert(data.use(work));
   };
 }
-/// Returns f(scene, q, data) as a function for Python that returns convert(result).
+/// Returns a function for Python that returns convert(f(scene, q, data)).
 template <class F, class Convert = std::identity>
 auto at_solution(F f, Convert convert = {}) {
   return [=](const Scene& scene, const Raw& q, const Data& data) {

@@ -23,7 +23,8 @@ void Data::let_go_of_panels() const {
     if (!keeper) continue;
     auto& X = const_cast<IslandDerivatives*>(island)->X;
     keeper->panel = X;
-    keeper->panel.swap(X);  // the keeper then owns the memory that the arrays view
+    // The keeper then owns the memory that the arrays view.
+    keeper->panel.swap(X);
     keeper->data.reset();
   }
   state_->exported.clear();
@@ -31,7 +32,7 @@ void Data::let_go_of_panels() const {
 
 namespace {
 
-// DerivativeData of the last differentiate, looked up in `data` at each access; likewise one island of DerivativeData.
+// The results of the last differentiate, looked up in `data` at each access. IslandBlocks are those of one island.
 struct Derivatives {
   std::shared_ptr<Data> data;
   const DerivativeData& get() const { return derivatives(data->at_rest()); }
@@ -65,7 +66,7 @@ Eigen::SparseMatrix<double> joined_kkt_matrix(const Scene& scene, const SceneDat
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
     const Eigen::SparseMatrix<double> K = kkt_matrix(scene, d, i);
     const Island& at = solved_island(d, i);
-    std::vector<int> place(at.size());  // positions of the island's [a; f] in the matrix
+    std::vector<int> place(at.size());  // rows of the island's [a; f] in the matrix
     for (int k = 0; k < at.size(); ++k) place[k] = k;
     if (island < 0) {
       each_velocity_block(scene, at, [&](int first, int local, int n) {

@@ -87,7 +87,7 @@ void add_data(py::module_& m) {
       .read_at<&S::a, &S::f, &S::v, &S::tau, &S::serial, &S::f_offset, &S::report>(&Data::at_rest);
 }
 
-// Returns a function that solves at q and v with the torques called `name`.
+// Returns a function for Python that solves at q and v, with torques whose argument is called `name`.
 auto solution(decltype(solve)* of_torques, const char* name) {
   return [=](const Scene& scene, const Raw& q, const Raw& v, const Raw& torques, const Data& data) {
     const auto Q = checked("q", q), V = checked("v", v), T = checked(name, torques);
@@ -147,7 +147,8 @@ void add_views(py::module_& m) {
            const Frame& f = owner.model->frames[number];
            SE3<double> out;
            data.use([&](SceneData& d) {
-             if (d.serial == 0) prepare(scene, d);  // or throws
+             // prepare throws if this is not possible
+             if (d.serial == 0) prepare(scene, d);
              out = frame_placement<double>(robot_kinematics(scene, d, r), owner.base, f.joint, f.placement);
            });
            return out;

@@ -1,5 +1,5 @@
 #pragma once
-// Enumerations in Python. Wherever a value is expected, these are equivalent:
+// Enumerations in Python. A member can be given in any of these forms:
 //
 //   Method.SPARSE_LDL    'sparse-ldl'    'sparse_ldl'    'SPARSE_LDL'
 
@@ -17,22 +17,24 @@ namespace py = pybind11;
 
 namespace manycontact::python {
 
-/// Returns the name in lower case, with '-' between words.
+/// Returns the name in lower case with '-' between its words.
 std::string plain(std::string name);
 
-/// The names of the members of an enumeration, set by add_enumeration.
+/// The names of the members of an enumeration, which add_enumeration sets.
 template <class E>
 struct Names {
   struct Member {
     E value;
     std::string word;    // the name in files and on the command line
-    std::string python;  // "SPARSE_LDL"
+    std::string python;  // the name in Python, such as "SPARSE_LDL"
   };
-  static inline std::string what;  // "method"
+  // The word for a member in error messages, such as "method".
+  static inline std::string what;
   static inline std::vector<Member> members;
 };
 
-/// Returns the member called `name`, in any spelling above. Throws a ValueError that lists the members if none matches.
+/// Returns the member called `name` in any of the forms above. Throws a ValueError that lists the members if there is
+/// none.
 template <class E>
 E value_called(const std::string& name) {
   const std::string asked = plain(name);
@@ -44,7 +46,7 @@ E value_called(const std::string& name) {
   throw py::value_error("unknown " + Names<E>::what + " '" + name + "', expected one of " + expected);
 }
 
-/// pybind11 caster: accepts members of the enumeration, and strings that name a member.
+/// A pybind11 caster that accepts members of the enumeration, and strings that name a member.
 template <class E>
 struct EnumCaster : py::detail::type_caster_base<E> {
   bool load(py::handle source, bool convert) {
@@ -58,11 +60,13 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// Returns "SPARSE_LDL" for "kSparseLdl"; names without a leading k are returned unchanged.
+/// Returns the name of an enumerator in Python, such as "SPARSE_LDL" for "kSparseLdl". Names without a leading k are
+/// returned unchanged.
 std::string python_name(const std::string& enumerator);
 
-/// Binds an enumeration; its entry in docs/*.txt has the word that errors use for a member. values: all members of an
-/// unscoped enumeration; a scoped enumeration needs none (numbered from 0). Members without to_string: Python's name.
+/// Binds an enumeration. Its entry in docs/*.txt contains the word for a member in error messages. values: all members,
+/// if the enumeration is unscoped; members of a scoped enumeration are found by their numbers from 0. If there is no
+/// to_string, strings name members as Python does.
 template <class E, E... values>
 void enumeration(py::module_& m, const char* prefix = "") {
   constexpr bool has_words = requires(E x) {
@@ -79,7 +83,8 @@ void enumeration(py::module_& m, const char* prefix = "") {
     std::string word = python;
     if constexpr (has_words) word = to_string(value);
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
-    if (word.starts_with('-')) word.erase(0, 1);  // "-0", from _0, becomes "0"
+    // "-0", the name of _0, becomes "0"
+    if (word.starts_with('-')) word.erase(0, 1);
     Names<E>::members.push_back({value, word, python});
   };
   if constexpr (sizeof...(values) > 0)

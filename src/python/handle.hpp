@@ -1,10 +1,10 @@
 #pragma once
-// C++ objects that are members of other objects: scene.contacts[0], scene.contacts[0].B, data.options. In Python each
-// is a Handle, which looks the object up in its owner and assigns it there, so that
+// Python objects for C++ objects that are members of other objects, such as scene.contacts[0], scene.contacts[0].B and
+// data.options. Each is a Handle, which looks the object up in its owner and assigns it there, so that
 //
 //     scene.contacts[0].alpha = 9
 //
-// changes the scene; invalid assignments raise. A Handle without an owner (Contact() in Python) contains its object.
+// changes the scene. Invalid assignments raise. A Handle without an owner (Contact() in Python) contains its object.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -34,11 +34,11 @@ class Handle {
     find_ = [held]() -> const T& { return *held; };
     set_ = [held](T x) { *held = std::move(x); };
   }
-  /// find: looks the object up. set: checks and assigns a new value; throws if it is invalid.
+  /// find() looks the object up. set(value) checks and assigns a new value, and throws if it is invalid.
   Handle(Find find, Set set) : find_(std::move(find)), set_(std::move(set)) {}
 
   const T& get() const { return find_(); }
-  /// Calls change(T&) on a copy, and assigns the copy.
+  /// Calls change(T&) on a copy of the object, and assigns the copy.
   template <class Change>
   void change(Change&& change) const {
     T changed = get();
@@ -81,13 +81,15 @@ void handle_field(Class<Handle<T>>& c, const char* name, M T::*member) {
         name, [member](const Handle<T>& h) { return M(h.get().*member); }, set);
 }
 
-/// A list of an object's items that is not a copy: each item is looked up in the object when it is requested.
+/// A list of an object's items that is not a copy, because each item is looked up when it is requested.
 template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  std::function<int(const std::string&)> number = {};        // index of the item with this name; -1: there is none
-  std::function<std::string(const std::string&)> none = {};  // the message for an unknown name
+  // Returns the index of the item with this name, or -1.
+  std::function<int(const std::string&)> number = {};
+  // Returns the message for an unknown name.
+  std::function<std::string(const std::string&)> none = {};
 };
 
 template <class Item>

@@ -11,7 +11,8 @@ namespace {
 
 using Placement = SE3<double>;
 
-constexpr double kOrthonormal = 1e-6;  // tolerance of R^T R = 1; quaternions in files have the same tolerance
+// Tolerance of R^T R = 1, as for quaternions in files.
+constexpr double kOrthonormal = 1e-6;
 
 Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
   if (!(R.transpose() * R).isIdentity(kOrthonormal) || !(R.determinant() > 0))
@@ -85,7 +86,7 @@ void add_findings(py::module_& m) {
 
 using OneOrMany = std::variant<double, Eigen::VectorXd>;
 
-// Expands `given` to `count` numbers (per joint or coordinate): one number for all, or `count` numbers.
+// Expands `given`, which is one number for all joints or coordinates, or `count` numbers, to `count` numbers.
 Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count) {
   const Eigen::VectorXd x =
       given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
@@ -102,7 +103,7 @@ Eigen::VectorXd per_velocity(const char* name, const OneOrMany& given, const Mod
   return x;
 }
 
-// Returns a copy of a model whose bodies, with all frames fixed on them, are scaled about the origins of their joints.
+// Returns a copy of a model whose bodies and frames are scaled by mass and length about the origins of their joints.
 std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneOrMany& length,
                               const std::optional<OneOrMany>& armature, const std::optional<OneOrMany>& damping,
                               const std::optional<OneOrMany>& friction) {
@@ -153,7 +154,7 @@ void add_robot_models(py::module_& m) {
       .methods<&varied, &Model::find_frame, &Model::find_joint, &Model::mass>()
       .def("__repr__", [](const Model& x) { return "<Model '" + x.name + "', nv = " + std::to_string(x.nv) + ">"; });
 
-  // Reads names from any iterable, such as a list or a set, but not the letters of a word.
+  // Reads names from any iterable, such as a list or a set, but refuses a single string.
   const auto names = [](const char* what, const py::iterable& given) {
     if (py::isinstance<py::str>(given)) throw py::type_error(std::string("load_urdf: ") + what + " is a list of names");
     std::set<std::string> out;

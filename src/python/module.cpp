@@ -1,4 +1,4 @@
-// The module manycontact._manycontact. The package's __init__.py exports its names as manycontact's.
+// The module manycontact._manycontact. The package's __init__.py exports its names as those of `manycontact`.
 
 #include "manycontact/io/input_error.hpp"
 #include "manycontact/version.hpp"
@@ -36,15 +36,15 @@ void translate(std::exception_ptr thrown) {
     error.attr("line") = e.line;
     error.attr("message") = e.message;
     PyErr_SetObject(input_error_type.ptr(), error.ptr());
-  } catch (const py::cast_error& e) {  // also for shared objects
+  } catch (const py::cast_error& e) {  // shared objects throw this, too
     const bool empty = std::string(e.what()).find("non-held") != std::string::npos;
     PyErr_SetString(PyExc_TypeError, empty ? kIsEmpty : e.what());
-  } catch (const std::logic_error& e) {  // also std::invalid_argument
+  } catch (const std::logic_error& e) {  // includes std::invalid_argument
     PyErr_SetString(PyExc_ValueError, e.what());
   }
 }
 
-// Makes X.__new__(X) raise for all classes: without a C++ object, pybind11 would use uninitialised memory.
+// Makes X.__new__(X) raise for all classes, because pybind11 would use uninitialised memory without a C++ object.
 void refuse_empty_objects(const py::module_& m) {
   for (const auto& [name, member] : m.attr("__dict__").cast<py::dict>()) {
     if (!PyType_Check(member.ptr())) continue;

@@ -14,13 +14,13 @@
 
 namespace manycontact::python {
 
-/// Keeps a Python object alive as long as C++ keeps the result. Any thread may release the result.
+/// Returns a pointer that keeps a Python object alive. Any thread may release it.
 std::shared_ptr<void> keep(py::handle object);
 
-/// Returns `threads`, 0 for OpenMP's number. Throws ValueError for more than 1024.
+/// Returns `threads`, or the number of OpenMP if it is 0. Throws ValueError for more than 1024.
 int checked_threads(int threads);
 
-/// Returns the output of operator<<, for __str__.
+/// Returns the output of operator<<, which __str__ returns in Python.
 template <class T>
 std::string text_of(const T& x) {
   std::ostringstream out;
@@ -28,7 +28,8 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// Adds a member matrix of constant size as a property: an array that views its memory; assignment writes into it.
+/// Adds a member matrix of constant size as a property. Its value is an array that views the matrix, and assignments
+/// write into the matrix.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(
@@ -36,16 +37,16 @@ void view_property(Class<T, Options...>& c, const char* name, M member) {
       [member](T& self, py::handle values) { assign(self.*member, values); });
 }
 
-/// Return a scene's items, found by number or name.
+/// Return a list of a scene's items, which can be accessed by number or name.
 Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene);
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene);
 
-/// Return the numbers of `given`. Throw ValueError if a number is not finite or the count is not `size` (if given).
+/// Return the numbers of `given`. Throw ValueError if a number is not finite, or if there are not `size` numbers.
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given);
 Eigen::Map<const Eigen::VectorXd> checked(const char* name, const Raw& given, Eigen::Index size);
 
-/// Returns the numbers of members of an enumeration, such as Status, as an array.
+/// Returns the integer values of members of an enumeration, such as Status, as an array.
 template <class E>
 py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   py::array_t<std::int8_t> out(static_cast<py::ssize_t>(members.size()));
@@ -53,17 +54,18 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// Return an array (n, 6) that views the n wrenches of `owner`; set n wrenches from such an array.
+/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`. set_wrenches sets them from such an
+/// array.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
-/// Returns the wrenches as a copy.
+/// Returns a matrix (n, 6) with a copy of the n wrenches.
 Eigen::MatrixXd rows_of_wrenches(const std::vector<Vec6<double>>& w);
 
-/// Returns an array of bools that views flags 0 or 1, and keeps their owner alive.
+/// Returns an array of bools that views the flags, which are 0 or 1, and keeps `owner` alive.
 py::array_t<bool> flags_view(std::vector<char>& flags, py::handle owner);
-/// Sets all flags from a sequence of equal length of bools, numpy bools, or numbers 0 and 1. name: used in errors.
+/// Sets all flags from a sequence of as many bools, numpy bools, or numbers 0 and 1. name: for error messages.
 void set_flags(const std::string& name, py::handle values, std::vector<char>& flags);
-/// Converts `active` to one flag per contact of the scene; None means the contacts that are active in the scene.
+/// Converts `active` to one flag per contact of the scene. None means the contacts that are active in the scene.
 std::vector<char> flags_of(const Scene& scene, const py::object& active);
 
 /// Returns a sparse matrix as scipy.sparse.csc_matrix, which takes over its memory.
@@ -71,7 +73,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-// external wrenches and springs: their classes before add_scenes, their functions after it
+// External wrenches and springs need their classes before add_scenes, and their functions after it.
 void add_force_classes(py::module_& m);
 void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);
@@ -91,7 +93,7 @@ void add_twins(py::module_& m);
 void add_solvers(py::module_& m);
 void add_task(py::module_& m);
 
-/// Lets a shared_ptr to an object of a class defined in Python keep the Python object, with its methods and attributes.
+/// Lets a shared_ptr to an object whose class is defined in Python keep the Python object alive.
 template <class T>
 struct KeepingCaster : py::detail::copyable_holder_caster<T, std::shared_ptr<T>> {
   using Base = py::detail::copyable_holder_caster<T, std::shared_ptr<T>>;

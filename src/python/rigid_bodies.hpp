@@ -1,5 +1,5 @@
 #pragma once
-// Arguments of rigid-body functions in Python: a Scene, a Model or a RigidBodies; frames also by name.
+// Arguments of rigid-body functions in Python. Bodies are a Scene, a Model or RigidBodies; frames can be given by name.
 
 #include <variant>
 
@@ -8,13 +8,13 @@
 
 namespace manycontact::python {
 
-/// The bodies that a function is called with, and the Python object that keeps them alive.
+/// The bodies that a function was called with, and the Python object that keeps them alive.
 struct Bodies {
   std::shared_ptr<void> keeper;
   std::optional<RigidBodies> view;
 };
 
-/// A frame by its name or as an Attachment; a joint by its name.
+/// A frame, given by its name or as an Attachment, or a joint, given by its name.
 using FrameName = std::variant<std::string, Attachment>;
 inline Attachment frame_in(const RigidBodies& bodies, const FrameName& frame) {
   const auto* name = std::get_if<std::string>(&frame);

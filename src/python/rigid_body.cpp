@@ -17,7 +17,7 @@ using Memory = std::shared_ptr<RigidBodyData>;
 using Forces = std::optional<Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>>;
 using Three = std::tuple<Matrix, Matrix, Matrix>;
 
-// Calls work(data) with the given RigidBodyData, or with new RigidBodyData for None.
+// Calls work(data) with the given RigidBodyData. If Python passed None, uses new RigidBodyData.
 template <class Work>
 auto with(const RigidBodies& bodies, const Memory& data, Work&& work) {
   if (data) return work(*data);
@@ -75,7 +75,7 @@ void add_manifold(py::module_& m) {
   });
 }
 
-// Returns a function for Python that copies the result of f(bodies, inputs, data), with new data for None.
+// Returns a function for Python that returns a copy of f(bodies, inputs, data). If `data` is None, uses new data.
 template <class... Inputs, class F>
 auto of_state(F f) {
   return [f](const RigidBodies& bodies, Inputs... in, const Memory& data) {
@@ -83,7 +83,7 @@ auto of_state(F f) {
   };
 }
 
-// Returns a function like of_state, with forces on the bodies; `convert` converts the result.
+// Returns a function like that of of_state, but with forces on the bodies, and with the result converted by `convert`.
 template <class Result, class Convert = std::identity>
 auto with_forces(const Result& (*f)(const RigidBodies&, const Input&, const Input&, const Input&, RigidBodyData&,
                                     ForcesOnBodies),
@@ -126,7 +126,7 @@ void add_joint_space(py::module_& m) {
 
 using Motion = Vec6<double> (*)(const RigidBodies&, RigidBodyData&, const Attachment&, ReferenceFrame);
 
-// Returns a function for Python of the motion of a frame; the frame may be given by name.
+// Returns a function for Python that computes the motion of a frame, which may be given by name.
 auto of_frame(Motion motion) {
   return [motion](const RigidBodies& bodies, RigidBodyData& data, const FrameName& frame, ReferenceFrame axes) {
     return motion(bodies, data, frame_in(bodies, frame), axes);

@@ -89,7 +89,7 @@ Handle<Contact> contact_data(const std::shared_ptr<Scene>& scene, const std::str
   return contacts_of(scene).at(static_cast<std::size_t>(contact_called(*scene, name)));
 }
 
-// Changes placement, gains and reference frame of a contact, which may change while SceneData are in use.
+// Changes placement, gains and reference frame of a contact. They may change while SceneData are in use.
 void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name,
                     const std::optional<Placement>& placement, const std::optional<Eigen::Vector2d>& gains,
                     std::optional<ReferenceFrame> frame) {
@@ -100,7 +100,7 @@ void change_contact(const std::shared_ptr<Scene>& scene, const std::string& name
   });
 }
 
-// Returns a setter for a finite number of a scene, which must be at least 0 if `zero`, otherwise above 0.
+// Returns a setter for a finite number of a scene, which must be at least 0 if `zero`, and otherwise above 0.
 auto set_number(const char* name, double Scene::*member, bool zero) {
   return [=](Scene& scene, double x) {
     if (!(zero ? x >= 0 : x > 0) || !std::isfinite(x))

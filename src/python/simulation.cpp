@@ -33,7 +33,7 @@ auto got(M SimulationData::*member) {
   return [member](const Simulation& s) { return s.at_rest().*member; };
 }
 
-// Returns a setter that replaces a vector of SimulationData by another vector of equal size.
+// Returns a setter that replaces a vector of SimulationData by another vector of the same size.
 auto put(const char* name, Vector SimulationData::*member) {
   return [=](const Simulation& s, const Vector& from) {
     Vector& to = s.at_rest().*member;
@@ -44,7 +44,7 @@ auto put(const char* name, Vector SimulationData::*member) {
   };
 }
 
-// States of a simulation, recorded after every `every` steps.
+// States of a simulation: the first, one after every `every` steps, and the last.
 struct Trajectory {
   std::vector<double> t;
   std::vector<Vector> q, v;
@@ -58,7 +58,7 @@ py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
   return read_only(std::move(out));
 }
 
-// Checks for Ctrl-C between steps, at most every 50 ms.
+// Handles Ctrl-C between steps. It is checked at most every 50 ms.
 class Signals {
  public:
   void look() {
@@ -74,7 +74,7 @@ class Signals {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-// Makes `steps` steps; ends before if a step is not kOk or Ctrl-C is pressed. u: one vector (nu), or a row per step.
+// Makes `steps` steps, or fewer if a step is not kOk or Ctrl-C is pressed. u: one vector (nu), or one row per step.
 Trajectory simulate(const Scene& scene, py::handle u, Simulation& simulation, long steps, long every) {
   if (steps < 0 || every < 1) throw py::value_error("simulate: steps >= 0 and every >= 1 are expected");
   const Doubles U = as_doubles(u);
@@ -200,7 +200,7 @@ py::array_t<std::int8_t> step_many(const Scene& scene, py::handle u, Many& many,
   });
 }
 
-// Returns a getter for a member of SimulationBatch, which returns a copy.
+// Returns a getter for a member of SimulationBatch, which copies the member.
 template <class M>
 auto got(M SimulationBatch::*member) {
   return [member](Many& m) { return m.use([&](SimulationBatch& b) { return b.*member; }); };

@@ -15,10 +15,11 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-std::map<std::string, std::size_t> taken;  // key: number of entries of its overloads that were used
+// Key of the entries; value: how many of its overloads were used.
+std::map<std::string, std::size_t> taken;
 py::handle names_of_defaults;
 
-// Stores the name permanently: pybind11 keeps the pointer until the function is complete.
+// Stores the name permanently, because pybind11 keeps the pointer until the function is complete.
 const char* kept(std::string_view name) {
   static std::set<std::string> names;
   return names.emplace(name).first->c_str();

@@ -1,5 +1,5 @@
 #pragma once
-// The docstrings and parameters of docs/*.txt, which docs/assemble.py writes into a table when the module is built.
+// Docstrings and parameters from docs/*.txt, which docs/assemble.py writes into a table when the module is built.
 
 #include <pybind11/pybind11.h>
 
@@ -11,40 +11,42 @@ namespace py = pybind11;
 namespace manycontact::python {
 
 struct Text {
-  const char* key;         // "solve", "Scene", "Scene.contacts"
-  const char* parameters;  // one per line: "x", "x not None", "x=default" with an expression of Python, "*"
+  const char* key;  // such as "solve", "Scene", "Scene.contacts"
+  // One per line: "x", "x not None", "x=default" with a Python expression, or "*".
+  const char* parameters;
   const char* doc;
 };
 
-/// Returns all entries of docs/*.txt sorted by key; entries of overloads are in the order of docs/*.txt.
+/// Returns all entries of docs/*.txt sorted by key. Entries of overloads are in the order of docs/*.txt.
 std::span<const Text> texts();
 
-/// Returns the entry of a function, class or member; of overloads, the first entry that was not used yet. Throws if
-/// there is no entry, except for methods with underscores, such as __repr__.
+/// Returns the entry of a function, class or member. For an overload, this is the first entry that was not used yet.
+/// Throws if there is no entry, except for methods with underscores such as __repr__.
 const Text& text_of(const std::string& key);
 
 /// Throws if an entry of docs/*.txt was not used.
 void expect_all_texts_taken();
 
-/// Returns "status" for "... [with auto V = &manycontact::Report::status; ...]", the compiler's name of a function
-/// template. Returns "" if V has no name, for example a number outside of an enumeration.
+/// Returns the name of V from the compiler's name of a function template, such as "status" from "... [with auto V =
+/// &manycontact::Report::status; ...]". Returns "" if V has no name, as a number outside of an enumeration.
 std::string name_in(const char* function);
 
-/// Returns "status" for &Report::status, "kSparseLdl" for Method::kSparseLdl; "" if V is a number without enumerator.
+/// Returns the name of V, such as "status" for &Report::status and "kSparseLdl" for Method::kSparseLdl. Returns "" if V
+/// is a number without enumerator.
 template <auto V>
 std::string name_of() {
   return name_in(__PRETTY_FUNCTION__);
 }
-/// Returns "Joint" for manycontact::Joint and for Handle<Joint>.
+/// Returns the name of a type, such as "Joint" for manycontact::Joint and for Handle<Joint>.
 template <class V>
 std::string type_name() {
   return name_in(__PRETTY_FUNCTION__);
 }
 
-/// Sets the module whose names may occur in default values.
+/// Sets the module whose names may occur in default values of parameters.
 void set_names_of_defaults(const py::module_& m);
 
-/// A pybind11 attribute of a function: the parameters and docstring of its entry.
+/// A pybind11 attribute that gives a function the parameters and the docstring of its entry.
 struct Described {
   const Text& text;
 };

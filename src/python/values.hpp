@@ -1,5 +1,5 @@
 #pragma once
-// Plain structures as Python values: copied, compared and pickled by member. Members that are functions do not pickle.
+// Plain structures as Python values, which are copied, compared and pickled by member. Function members do not pickle.
 
 #include <cmath>
 #include <optional>
@@ -32,7 +32,8 @@ template <class V>
 inline constexpr bool is_map<std::unordered_map<std::string, V>> = true;
 using SharedModel = std::shared_ptr<const Model>;
 
-/// Returns the members of a plain structure as a tuple of references, by structured bindings: no member is forgotten.
+/// Returns the members of a plain structure as a tuple of references. Structured bindings make sure that none is
+/// missing.
 template <class T>
 auto members(T& x) {
   return tied<std::remove_const_t<T>>(x);
@@ -43,9 +44,10 @@ bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
     return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
   } else if constexpr (std::is_floating_point_v<T>) {
-    return a == b || (std::isnan(a) && std::isnan(b));  // NaN: quantities that were not estimated
+    // Quantities that were not estimated are NaN.
+    return a == b || (std::isnan(a) && std::isnan(b));
   } else if constexpr (std::is_same_v<T, SolveTimes>) {
-    return true;  // measured times are not compared
+    return true;  // measured times are ignored
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return a == b || (a && b && equal(*a, *b));
   } else if constexpr (is_vector<T>) {
@@ -78,11 +80,12 @@ py::object pack(const T& x) {
   } else if constexpr (is_matrix<T>) {
     return copy(x);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
-    return py::cast(std::const_pointer_cast<Model>(x));  // a model is pickled once, however many robots share it
+    // A model that several robots share is pickled once.
+    return py::cast(std::const_pointer_cast<Model>(x));
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
-    return py::none();  // finalize computes it
+    return py::none();  // finalize computes it again
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {
-    return py::none();  // contacts added by users have no PairRows
+    return py::none();  // contacts that users add have no PairRows
   } else if constexpr (is_vector<T>) {
     py::list out;
     for (const auto& item : x) out.append(pack<typename T::value_type>(item));
@@ -148,7 +151,7 @@ void unpack(py::handle from, T& x) {
   }
 }
 
-/// Adds copy and deepcopy. Shared constants, such as models, remain shared.
+/// Adds copy and deepcopy to a class. Shared constants, such as models, remain shared.
 template <class Held, class... Options>
 Class<Held, Options...>& add_copy(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
@@ -157,7 +160,7 @@ Class<Held, Options...>& add_copy(Class<Held, Options...>& c) {
           "__deepcopy__", [](const Held& x, const py::dict&) { return Value::make(Value::get(x)); }, py::arg("memo"));
 }
 
-/// Adds copy, deepcopy, == and pickle of a structure.
+/// Adds copy, deepcopy, == and pickle to a structure.
 template <class Held, class... Options>
 Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
   using Value = ValueOf<Held>;
@@ -173,7 +176,7 @@ Class<Held, Options...>& add_value(Class<Held, Options...>& c) {
       .pickle([](const Held& x) { return pack(Value::get(x)); }, unpacked);
 }
 
-/// Binds a plain structure.
+/// Binds a plain structure with copy, deepcopy, == and pickle.
 template <class T, class... Options>
 Class<T, Options...> value(py::module_& m, const std::string& name = type_name<T>()) {
   Class<T, Options...> c(m, name);

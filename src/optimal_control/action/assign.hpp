@@ -1,5 +1,5 @@
 #pragma once
-// Sets, adds or subtracts a value, as an argument of type AssignmentOp selects.
+// Sets, adds or subtracts a value, as an argument of type AssignmentOp requests.
 
 #include "manycontact/action/state.hpp"
 

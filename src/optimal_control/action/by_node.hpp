@@ -1,5 +1,5 @@
 #pragma once
-// Functions that call calc or calcDiff of a running node (with u), or of a terminal node (u is null).
+// Calls calc or calcDiff of a running node (with u), or of a terminal node (u is null).
 
 #include "manycontact/detail/action/fwd.hpp"
 

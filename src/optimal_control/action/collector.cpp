@@ -3,7 +3,7 @@
 namespace manycontact {
 
 namespace {
-// Switches off SIMD batches and reduced pairs, which do not store the intermediate results of contacts that costs read.
+// Switches off SIMD batches and reduced pairs, because they do not store contact data that costs read.
 Options robot_by_robot(Options options) {
   options.simd_level = SimdLevel::kOff;
   options.reduce_pairs = false;
@@ -40,7 +40,7 @@ void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_
   }
 }
 
-// The scene of an action model.
+// The scene of an action model, and its solution.
 struct DataCollector::Own {
   Own(const Scene& s, const Options& options) : scene(s), solution(scene, options) {}
   Scene scene;
@@ -67,7 +67,7 @@ DataCollector::DataCollector(MultibodyData* motion, std::shared_ptr<ActuationDat
       actuation(std::move(act)),
       contacts(contact ? std::move(contact) : std::make_shared<ContactDataMultiple>()) {
   if (!motion) return;
-  // A general actuation may couple all coordinates: every island depends on all of x and u.
+  // A general actuation may couple all coordinates, so that every island depends on all of x and u.
   const int nv = scene.nv, nu = actuation ? static_cast<int>(actuation->u.size()) : 0;
   for (std::size_t i = 0; i < island_count(solution); ++i) {
     IslandColumns& columns = islands.emplace_back();
@@ -95,7 +95,8 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    (void)derivatives(solution);  // throws if the solution has no derivatives of its last solve
+    // Throws if no derivatives of the last solve exist.
+    (void)derivatives(solution);
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }

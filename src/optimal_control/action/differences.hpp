@@ -4,7 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Calls column(i, f(d), f(-d), 2h) for each of n directions i, where d is h times unit vector i.
+/// Calls column(i, f(d), f(-d), 2h) for each of n directions i, where d is h times the unit vector i.
 template <class F, class Column>
 void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -16,7 +16,7 @@ void each_direction(Eigen::Index n, double h, F&& f, Column&& column) {
   }
 }
 
-/// Returns the Jacobian (rows x n) of f at zero.
+/// Returns the Jacobian (rows x n) of f at zero by central differences with step h.
 template <class F>
 Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   Eigen::MatrixXd J(rows, n);
@@ -26,7 +26,7 @@ Eigen::MatrixXd jacobian(Eigen::Index rows, Eigen::Index n, double h, F&& f) {
   return J;
 }
 
-/// Returns the Jacobian (rows x nu) of f(u + d) with respect to d at zero. The steps are h max(1, |u_i|).
+/// Returns the Jacobian (rows x nu) of f at u by central differences with the steps h max(1, |u_i|).
 template <class F>
 Eigen::MatrixXd jacobian_by_u(Eigen::Index rows, const Eigen::VectorXd& u, double h, F&& f) {
   const Eigen::VectorXd scale = u.cwiseAbs().cwiseMax(1);

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Throws std::invalid_argument unless a part exists, and has the stack's state and number of controls.
+/// Throws std::invalid_argument unless `part` exists and has the state and the number of controls of the stack.
 template <class Part, class State>
 void check_part(const char* who, const std::string& name, const std::shared_ptr<Part>& part,
                 const std::shared_ptr<State>& state, std::size_t nu) {
@@ -18,7 +18,7 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
           "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
 }
 
-/// Calls f(item, data of the item) for each item for which keep(item) is true. Items and data are sorted by name.
+/// Calls f(item, data of the item) for each item with keep(item). Items and data must be sorted by name.
 template <class Map, class Data, class Keep, class F>
 void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
   auto d = data.begin();
@@ -28,7 +28,7 @@ void for_each_part(const Map& parts, Data& data, Keep&& keep, F&& f) {
   }
 }
 
-/// Prints "frame=left_sole, type=LOCAL", with "none" for an id without a frame.
+/// Prints a frame as "frame=left_sole, type=LOCAL". The name is "none" if no frame has this id.
 inline void print_frame(std::ostream& os, const Multibody& model, FrameIndex id, ReferenceFrame type) {
   os << "frame=" << (id < model.frames.size() ? model.frames[id].name : "none") << ", type="
      << (type == LOCAL   ? "LOCAL"

@@ -8,7 +8,8 @@
 
 namespace manycontact::internal {
 
-/// Computes [cost; next; r; g; h] at x (+) dx, u + du (terminal node: without u). next: acceleration or next state.
+/// Computes [cost; next; r; g; h] at x (+) dx and u + du (without u in a terminal node), where next(data) returns the
+/// acceleration or the next state.
 template <class Node, class NodeData, class Next>
 struct Around {
   Node& model;
@@ -30,7 +31,8 @@ struct Around {
   }
 };
 
-/// Computes the Hessian of the cost L by L_ij = (L(+,+) - L(+,-) - L(-,+) + L(-,-)) / 4h^2, at x, u +-h e_i +-h e_j.
+/// Computes the Hessian of the cost L by differences: L_ij = (L(+,+) - L(+,-) - L(-,+) + L(-,-)) / 4h^2, where the
+/// signs are those of steps +-h e_i +-h e_j from x, u.
 template <class Function, class Data>
 void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
   const Eigen::Index nu = at.u.size(), n = ndx + (at.terminal ? 0 : nu);
@@ -54,8 +56,8 @@ void second_differences(const Function& at, Eigen::Index ndx, Data& d) {
   d.Luu = L.bottomRightCorner(nu, nu);
 }
 
-/// Computes all derivatives in d; d.g, d.h, d.r must have the right sizes. The step is absolute in x's tangent space,
-/// relative to max(1, |u_i|) in u. gauss: Hessians are Rx^T Rx, ..., instead of second differences.
+/// Computes all derivatives in d, where d.g, d.h, d.r must have the right sizes. Steps are absolute in the tangent
+/// space of x, and relative to max(1, |u_i|) in u. gauss: Hessians are Rx^T Rx, ..., instead of second differences.
 template <class Function, class Data>
 void central_differences(const Function& at, double step, bool gauss, Data& d) {
   const Eigen::Index ndx = static_cast<Eigen::Index>(at.model.get_state()->get_ndx()), nu = at.u.size();

@@ -17,10 +17,12 @@ namespace {
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 struct Differences {
-  Eigen::MatrixXd x, u;  // derivatives with respect to x and u; `u` is empty in a terminal node
+  // Derivatives with respect to x and u, where those for u are empty in a terminal node.
+  Eigen::MatrixXd x, u;
 };
 
-// Differentiates value(data) of a part at x, u; the last calc is at x, u. before(x, u) is called before each calc.
+// Differentiates value(data) at x, u by central differences. before(x, u) is called before each calc. The last calc is
+// at x, u.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
@@ -202,7 +204,7 @@ Eigen::VectorXd CostModelNumDiff::values(const CostDataAbstract& d) const {
   return out;
 }
 
-// Computes the cost's derivatives from the residual's Jacobians by_x, by_u and the activation's Ar, Arr (Gauss-Newton).
+// Computes the cost's Gauss-Newton derivatives from the residual's Jacobians by_x, by_u and the activation's Ar, Arr.
 void CostModelNumDiff::store(const Eigen::MatrixXd& by_x, const Eigen::MatrixXd* by_u, CostDataAbstract& d) const {
   const Eigen::Index nr = d.residual->r.size();
   model_->get_activation()->calcDiff(d.activation, d.residual->r);
@@ -269,7 +271,8 @@ std::string DifferentialActionModelNumDiff::where(const char*) const { return kN
 Eigen::VectorXd DifferentialActionModelNumDiff::coordinates(const DifferentialActionDataAbstract&,
                                                             const DifferentialActionDataAbstract& moved,
                                                             bool terminal) const {
-  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // terminal nodes have no acceleration
+  // Terminal nodes have no acceleration.
+  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;
 }
 
 }  // namespace manycontact

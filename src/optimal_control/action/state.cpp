@@ -17,7 +17,7 @@ void each_joint(const Scene& scene, Use&& use) {
     for (const Joint& joint : robot.model->joints) use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v);
 }
 
-// rows <- J rows
+// Replaces the matrix `rows` by J rows.
 template <int n, class Rows>
 void transport(const Eigen::Matrix<double, n, n>& J, Rows&& rows) {
   for (Eigen::Index j = 0; j < rows.cols(); ++j) {
@@ -125,8 +125,9 @@ Eigen::VectorXd StateMultibody::rand() const {
     }
     if (floating) {
       Eigen::Vector4d quat;
+      // Points that are uniform in the ball have directions that are uniform on the sphere.
       do quat = Eigen::Vector4d(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1));
-      while (quat.norm() < 0.1 || quat.norm() > 1);  // uniform in the ball, so uniform on the sphere
+      while (quat.norm() < 0.1 || quat.norm() > 1);
       x.segment<4>(iq + 3) = quat.normalized();
     }
     for (int i = 0; i < joint.nv(); ++i) x[nq_ + iv + i] = draw(-1, 1);
@@ -160,7 +161,8 @@ void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx
 void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                            Jcomponent which) const {
   Eigen::VectorXd dx(ndx_);
-  StateMultibody::diff(x0, x1, dx);  // this class's diff, even if a derived class overrides it
+  // calls the diff of this class, even if a derived class overrides it
+  StateMultibody::diff(x0, x1, dx);
   const auto fill = [&](bool of_x0, MatrixRef J) {
     check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     J.setZero();

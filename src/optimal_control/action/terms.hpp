@@ -1,11 +1,11 @@
 #pragma once
-// Functions for the "terms" of action models with contacts: named costs and constraints, which can be switched off.
+// Functions for the "terms" of action models with contacts, which are named costs and constraints that can be inactive.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 
 namespace manycontact::internal {
 
-/// The terms of an action model; constraints may be null.
+/// The terms of an action model. constraints is null if there are none.
 struct ActionTerms {
   const CostModelSum& costs;
   const ConstraintModelManager* constraints;
@@ -20,18 +20,21 @@ void each_residual(const ActionTerms& terms, Use&& use) {
     use(name, *item->constraint->get_residual(), item->active);
 }
 
-/// Throws std::invalid_argument if costs or constraints were added or removed since the data were created, or a
-/// constraint's `active` was changed without changeConstraintStatus.
+/// Throws std::invalid_argument if costs or constraints were added or removed since the data were created, or if the
+/// `active` of a constraint was changed without changeConstraintStatus.
 void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
                  const ConstraintDataManager* constraints);
-/// Whether ResidualModelAbstract::fits is true for the data of all residuals; false if a residual's frame has changed.
+/// Returns whether ResidualModelAbstract::fits is true for the data of all residuals. It is false after a residual's
+/// frame has changed.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
-/// Stores whether each term is active, in the order of each_residual; has_status compares terms with stored values.
+/// read_status stores whether each term is active, in the order of each_residual. has_status compares this with
+/// `status`.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
-/// Throws std::logic_error unless `fits`: calcDiff needs an earlier calc of the same stage with the same active terms.
+/// Throws std::logic_error unless `fits`. The message states that a calc of this stage with the same active terms is
+/// required.
 void check_stage(const char* who, bool fits, Stage stage);
-/// Stacks the residuals of the active costs.
+/// Stacks the residuals of the active costs in r.
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
 
 }  // namespace manycontact::internal

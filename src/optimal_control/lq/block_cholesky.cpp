@@ -11,7 +11,7 @@ namespace manycontact::lq {
 
 namespace {
 
-// Returns the blocks below the diagonal of each column of L, with fill-in: those of a column and of its children.
+// Returns for each column of L the blocks below the diagonal, including fill-in from earlier columns.
 std::vector<std::set<int>> fill(int n, const std::vector<std::pair<int, int>>& edges) {
   std::vector<std::set<int>> below(n);
   for (const auto& [u, v] : edges)
@@ -132,7 +132,7 @@ int BlockCholesky::factorize(double least) {
 
 void BlockCholesky::solve(VectorXd& x) const {
   const int n = static_cast<int>(columns_.size());
-  for (int v = 0; v < n; ++v) {  // x <- D^-1 L^-1 x
+  for (int v = 0; v < n; ++v) {  // x <- L^-1 x
     const Column& column = columns_[v];
     auto xv = x.segment(start_[v], vertices_[v].size);
     solve_L(column.diagonal, xv);

@@ -5,7 +5,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Calls use(first, size, block) for each part. The size is a compile-time constant for the sizes of robots' joints.
+// Calls use(first, size, block) for each part. Sizes that occur for robots' joints are compile-time constants.
 template <class Use>
 void each_part(const BlockDiagonal& D, Use&& use) {
   for (const BlockDiagonal::Part& part : D.parts) {

@@ -10,7 +10,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Sets the index and the couplings in each knot of each cluster. (With kNoCouplings all knots have the same clusters.)
+// Sets index and couplings of each cluster in each knot. With kNoCouplings all knots have the same clusters.
 void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) {
   graph.nodes.assign(plan[0].size(), std::vector<CouplingNode>(plan.size()));
   for (std::size_t c = 0; c < plan[0].size(); ++c) {
@@ -36,10 +36,11 @@ void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) 
   }
 }
 
-// Makes two vertices of S (all mu; all w) for each track, a set of couplings of any knots between the same clusters.
+// Makes two vertices of S for each track, one for all its mu and one for all its w. A track is the set of couplings of
+// any knots that connect the same clusters.
 void make_vertices(const Problem& problem, CouplingGraph& graph) {
   const int T = problem.horizon();
-  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // the clusters of each coupling, for each knot
+  std::vector<std::vector<std::vector<int>>> touched(T + 1);  // clusters of each coupling, per knot
   for (int k = 0; k <= T; ++k) {
     touched[k].resize(problem.knots[k].couplings.size());
     for (std::size_t c = 0; c < graph.nodes.size(); ++c)
@@ -53,7 +54,7 @@ void make_vertices(const Problem& problem, CouplingGraph& graph) {
   for (const auto& knot : touched)
     for (const auto& clusters : knot) tracks.emplace(clusters, static_cast<int>(tracks.size()));
 
-  std::vector<std::pair<int, int>> edges;  // tracks that share a cluster
+  std::vector<std::pair<int, int>> edges;  // pairs of tracks that share a cluster
   for (std::size_t c = 0; c < graph.nodes.size(); ++c) {
     std::vector<int> mine;
     for (const auto& [clusters, track] : tracks)

@@ -1,4 +1,4 @@
-// Computes each cluster's contribution to S. Definitions of F, W, pi, theta, Gx, Gu, E, y: coupling_schur.hpp.
+// Computes each cluster's contribution to S. F, W, pi, theta, Gx, Gu, E and y are defined in coupling_schur.hpp.
 
 #include "dense.hpp"
 #include "manycontact/lq/coupling_schur.hpp"
@@ -6,7 +6,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Reorders the rows of M (states) from the order of blocks in `from` to the order of the same blocks in `to`.
+// Copies the rows of M (states), ordered by the blocks of `from`, to `out`, ordered by the same blocks in `to`.
 void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to, const MatrixMap& M, MatrixMap out) {
   for (std::size_t i = 0; i < from.blocks.size(); ++i)
     for (std::size_t j = 0; j < to.blocks.size(); ++j)
@@ -18,7 +18,7 @@ void reorder_rows(const Problem& problem, const Cluster& from, const Cluster& to
 
 }  // namespace
 
-// Computes Gx, Gu, E for the y of the node, and adds [R_ww D_w^T; D_w 0] to S.
+// Computes Gx, Gu, E for the variables y of the node, and adds [R_ww D_w^T; D_w 0] to S.
 void CouplingSchur::add_terms_of_y(const Problem& problem, int k, const CouplingNode& node) {
   const Cluster& c = riccati_.plan()[k][node.cluster];
   const bool last = k == problem.horizon();
@@ -56,12 +56,13 @@ void CouplingSchur::add_terms_of_y(const Problem& problem, int k, const Coupling
   }
 }
 
-// Returns the cluster's symplectic structure in knot k if every knot has such a structure, else nullptr.
+// Returns the cluster's symplectic structure in knot k if every knot has such a structure, otherwise null.
 const SymplecticStructure* CouplingSchur::steps(const Problem& problem, int cluster, int k) const {
   return by_steps_ ? riccati_.steps(problem, k, graph_.nodes[cluster][k].cluster) : nullptr;
 }
 
-// Computes F, pi, theta, S_kk of knot k and W of k + 1. With `steps` F = [J 0; 0 0] + [G; 1] F_z is stored as F_z.
+// Computes F, pi, theta, S_kk of knot k and W of knot k + 1. With `steps`, F = [J 0; 0 0] + [G; 1] F_z is stored as its
+// lower half F_z.
 void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   const CouplingNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];
@@ -114,7 +115,8 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
     MatrixMap& Wpi = PE;
     Wpi.setZero();
     add_AB(Wpi, 1, W, pi);
-    if (steps) {  // the upper half is stored as theta_y - G theta_z
+    // The upper half is stored as theta_y - G theta_z.
+    if (steps) {
       add_DX(theta.topRows(ny), 0, steps->J, Wpi.topRows(ny));
       theta.topRows(ny) *= -1;
     }
@@ -147,7 +149,7 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
     add_XDt(Wyy, 1, Wyz, steps->G);
   }
   W.bottomRightCorner(nz, nz) = Wzz;
-  // From here on F_zz contains F_zy G_(k-1) + F_zz, which `sweep` uses; G_(k-1) is the G of knot k - 1.
+  // From here on F_zz contains F_zy G_(k-1) + F_zz, which `sweep` uses, where G_(k-1) is the G of knot k - 1.
   if (steps && k > 0) add_XD(F.rightCols(nz), 1, F.leftCols(ny), this->steps(problem, cluster, k - 1)->G);
   if (c.next_in_order) return;
   const Cluster& next = riccati_.plan()[k + 1][graph_.nodes[cluster][k + 1].cluster];
@@ -157,8 +159,9 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   W = FW;
 }
 
-// Computes S_jl for j < l, y_l of one vertex. The last columns contain V = F_(j+1)^T ... F_(l-1)^T pi_l for all l > j,
-// with states ordered as in knot j + 1. V has halves V_y, V_z. With steps, V_y and Z = G_j^T V_y + V_z are stored:
+// Computes S_jl for all j < l and the y_l of one vertex. The last columns contain V = F_(j+1)^T ... F_(l-1)^T pi_l for
+// all l > j, with states ordered as in knot j + 1. V has the halves V_y, V_z. With steps, V_y and Z = G_j^T V_y + V_z
+// are stored:
 //
 //   theta^T V = (theta_y - G_j theta_z)^T V_y + theta_z^T Z
 //   [V_y; Z] <- [J^T V_y; G_(j-1)^T J^T V_y] + [F_zy  F_zy G_(j-1) + F_zz]^T Z       F_j^T V in the order of knot j

@@ -10,11 +10,12 @@ namespace manycontact::lq {
 
 namespace {
 
-// Relative size of the proximal term if S is semidefinite; with sqrt(eps) a refinement reduces errors by sqrt(eps).
+// Size of the proximal term, relative to S, if S is semidefinite. As it is about sqrt(eps), each refinement reduces
+// errors by about sqrt(eps).
 constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 
-// Computes the residuals of the equations of w and mu at x, u, lambda of z and w = mu = 0, in out.w and out.mu.
+// Computes in out.w and out.mu the residuals of the equations of w and mu, with x, u, lambda of z and with w = mu = 0.
 void equations_of_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
   for (int k = 0; k <= problem.horizon(); ++k) {
     out.w[k] = h.w[k];
@@ -45,7 +46,7 @@ void equations_of_y(const Problem& problem, const Layout& layout, const Point& h
   }
 }
 
-// Computes out = h plus the terms of w and mu of z in the equations of x, u and lambda.
+// Computes `out` as h plus the terms of z's w and mu in the equations of x, u and lambda.
 void terms_with_y(const Problem& problem, const Layout& layout, const Point& h, const Point& z, Point& out) {
   out.lambda[0] = h.lambda[0];
   for (int k = 0; k <= problem.horizon(); ++k) {
@@ -126,7 +127,8 @@ Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);
   if (failed < 0) return {};
-  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // even vertices: mu; odd vertices: w
+  // Even vertices contain mu, odd vertices w.
+  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};
 }
 
 void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg) {
@@ -139,7 +141,8 @@ void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg
 void CouplingSchur::do_solve(const Problem& problem, const Point& h, Point& z, bool first) {
   riccati_.pass(problem, h, z);
   equations_of_y(problem, layout_, h, z, terms_);
-  const auto each = [&](auto&& f) {  // f(part of z, same part of terms_, first index in both, size, first index in y_)
+  // calls f(part of z, same part of terms_, first index in both, size, first index in y_) for each w and mu
+  const auto each = [&](auto&& f) {
     for (std::size_t k = 0; k < graph_.places.size(); ++k)
       for (std::size_t b = 0; b < graph_.places[k].size(); ++b) {
         const CouplingPlace& place = graph_.places[k][b];

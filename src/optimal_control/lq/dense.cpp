@@ -31,7 +31,7 @@ void add_Atx(Segment y, double a, ConstBlock A, ConstSegment x) { level().add_At
 
 void copy_lower_to_upper(Block C) { C.triangularView<Eigen::StrictlyUpper>() = C.transpose(); }
 
-// The pivots are L_kk^2 = A_kk - sum_j L_kj^2. After the factorization each pivot is compared with its A_kk.
+// The pivots are L_kk^2 = A_kk - sum_j L_kj^2. After the factorization, each is compared with its A_kk.
 bool cholesky(Block A, double least) {
   if (A.rows() == 0) return true;
   if (!level().cholesky(panel(A))) return false;

@@ -1,5 +1,5 @@
 #pragma once
-// Products and factorizations of dense column-major blocks, used by the direction solvers.
+// Products and factorizations of dense column-major blocks for the direction solvers.
 
 #include "manycontact/lq/block_diagonal.hpp"
 
@@ -25,13 +25,13 @@ void add_Atx(Segment y, double a, ConstBlock A, ConstSegment x);  // y += a A^T 
 
 void copy_lower_to_upper(Block C);
 
-/// Factorizes A = L L^T in A's lower triangle. Returns false if a pivot is below `least` times A's diagonal entry.
+/// Factorizes A = L L^T in the lower triangle of A. Returns false if a pivot is below `least` times its diagonal entry.
 [[nodiscard]] bool cholesky(Block A, double least);
 void solve_L(ConstBlock L, Block X);         // X <- L^-1 X
 void solve_Lt(ConstBlock L, Block X);        // X <- L^-T X
 void solve_Lt_right(ConstBlock L, Block X);  // X <- X L^-T
 
-// add_Az: sum += A z, scale += |A| |z|. add_Az_Atw: the same, and sum_t += A^T w, scale_t += |A|^T |w|.
+// add_Az adds A z to `sum` and |A| |z| to `scale`. add_Az_Atw also adds A^T w to sum_t and |A|^T |w| to scale_t.
 void add_Az(ConstBlock A, const double* z, double* sum, double* scale);
 void add_Az_Atw(ConstBlock A, const double* z, double* sum, double* scale, const double* w, double* sum_t,
                 double* scale_t);

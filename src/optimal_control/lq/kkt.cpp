@@ -9,7 +9,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Residuals of equations, and for each equation the sum of |terms|.
+// Residuals of equations, and for each equation the sum of the magnitudes of its terms.
 struct Rows {
   VectorXd& sum;
   VectorXd& scale;
@@ -17,12 +17,12 @@ struct Rows {
 
 using Part = Eigen::Ref<const MatrixXd>;
 
-// Computes rows[to ...] += M z[from ...].
+// Adds M z[from ...] to rows[to ...].
 void multiply(const Part& M, const VectorXd& z, Index from, Rows rows, Index to) {
   add_Az(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to);
 }
 
-// Computes rows[to ...] += M z[from ...] and columns[from ...] += M^T w[to ...].
+// Adds M z[from ...] to rows[to ...], and M^T w[to ...] to columns[from ...].
 void multiply_both(const Part& M, const VectorXd& z, Index from, Rows columns, const VectorXd& w, Index to, Rows rows) {
   add_Az_Atw(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to, w.data() + to, columns.sum.data() + from,
              columns.scale.data() + from);
@@ -33,7 +33,7 @@ void add_segment(const VectorXd& terms, Index from, Index size, Rows rows, Index
   rows.scale.segment(to, size) += terms.segment(from, size).cwiseAbs();
 }
 
-// Adds the terms of one group to residual and scale: those of Q S R q r C D d and, for k < T, of A B f.
+// Adds the terms of group g to `residual` and `scale`: those with Q, S, R, q, r, C, D, d and, for k < T, with A, B, f.
 void add_group(const Problem& problem, const Layout& layout, int k, const Group& g, const Point& z, Point& residual,
                Point& scale) {
   const bool last = k == problem.horizon();
@@ -85,7 +85,7 @@ void set_zero(Point& z) {
     for (VectorXd& v : z.*part) v.setZero();
 }
 
-// Updates the largest relative error `worst` with max |r| / max scale of each block of equations.
+// Raises the largest relative error `worst` to max |r| / max scale of each block of equations, if this is larger.
 void judge(const VectorXd& r, const VectorXd& scale, const std::vector<int>& start, double& worst) {
   for (std::size_t b = 0; b + 1 < start.size() && start[b + 1] <= r.size(); ++b) {
     const int n = start[b + 1] - start[b];
@@ -148,7 +148,7 @@ double kkt_error(const Problem& problem, const Point& z, const Regularisation& r
   return kkt_residual(problem, layout, reg, z, residual, scale);
 }
 
-// Uses z^T (H z + h) = 0, a sum of terms of the cost and of terms of the constraints:
+// The identity z^T (H z + h) = 0, a sum of terms of the cost and of terms of the constraints, gives
 //     linear + quadratic = sum lambda^T (x0, f) + mu^T d - reg.x |x|^2 - reg.u |u|^2 - reg.rows |mu|^2
 Change cost_change(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z) {
   Change change;

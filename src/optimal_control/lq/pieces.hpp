@@ -1,5 +1,5 @@
 #pragma once
-// Maps the vectors of a group to those of its knot: calls f(first in the group, first in the knot, size) per piece.
+// Loops over the pieces of a group's vectors. f is called with first index in the group, first index in the knot, size.
 
 #include "manycontact/lq/problem.hpp"
 
@@ -14,7 +14,8 @@ void for_each_x(const Problem& problem, const Layout& layout, const Group& g, F&
   }
 }
 
-/// Calls f(first index in v_g, is_u, first index in the knot's u or w, size) for each piece; is_u: u, otherwise w.
+/// Calls f(first index in v_g, is_u, first index in the knot's u or w, size) for each piece, which is of u if is_u,
+/// else of w.
 template <class F>
 void for_each_v(const Problem& problem, const Layout& layout, int k, const Group& g, F&& f) {
   Eigen::Index at = 0;

@@ -10,7 +10,7 @@ namespace {
 void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
-  std::vector<int> first(knot.couplings.size(), -1);  // a block of the coupling; -1: none found so far
+  std::vector<int> first(knot.couplings.size(), -1);  // one block of each coupling, or -1
   for (const Group& g : knot.groups) {
     for (int i : g.blocks) partition.join(g.blocks.front(), i);
     if (join != Join::kIslands) continue;
@@ -21,7 +21,7 @@ void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::Unio
   }
 }
 
-// Appends the states and controls of group `index` to the cluster.
+// Appends the states and the controls of group `index` to the cluster.
 void add_member(const Problem& problem, int k, int index, Cluster& c) {
   const Group& g = problem.knots[k].groups[index];
   Member m{index, c.nx, 0, {}, {}};
@@ -65,7 +65,7 @@ void add_couplings(const Knot& knot, Cluster& c) {
 std::vector<Cluster> clusters_of(const Problem& problem, int k, Join join, sparse::UnionFind& partition) {
   const Knot& knot = problem.knots[k];
   std::vector<Cluster> clusters;
-  std::vector<int> index(problem.blocks(), -1);  // cluster of each root of the partition; -1: none yet
+  std::vector<int> index(problem.blocks(), -1);  // cluster of each root of the partition, or -1
   for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
     int& c = index[partition.root(knot.groups[g].blocks.front())];
     if (c < 0) {
@@ -96,7 +96,8 @@ void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int block
 
 Plan make_plan(const Problem& problem, Join join) {
   std::vector<int> memory(problem.blocks());
-  sparse::UnionFind partition(memory);  // sets of blocks, which are only joined, from the last knot to the first
+  // Sets of blocks, from the last knot to the first; sets are only joined.
+  sparse::UnionFind partition(memory);
   if (join == Join::kNoCouplings)
     for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
   const int T = problem.horizon();

@@ -52,7 +52,7 @@ void check_partition(const Problem& problem, int k) {
     if (!touched[b]) refuse(k, -1, "coupling " + std::to_string(b) + " touches no group");
 }
 
-// Calls use(matrix or vector, rows, columns, name) for each member of a group. A vector has one column.
+// Calls use(matrix or vector, rows, columns, name) for each member of a group, where a vector has one column.
 template <class G, class Use>
 void each_matrix(const Sizes& s, bool terminal, G& g, Use&& use) {
   const int nv = s.nu + s.nw;

@@ -10,10 +10,10 @@ namespace manycontact::lq {
 
 namespace {
 
-// Whether all entries are finite: an entry that is not finite makes the sum not finite.
+// Returns whether all entries are finite. If an entry is not, the sum of all is not finite either.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-// Weight of |D v|^2, relative to the sizes of Qvv and D, in the test whether Qvv is positive definite where D v = 0.
+// Weight of |D v|^2, relative to the sizes of Qvv and D, in the test whether Qvv is positive definite on D v = 0.
 constexpr double kConvexWhereFeasible = 1e6;
 
 // Smallest accepted pivot of the LU, relative to its row and column. A matrix with a smaller pivot counts as singular.
@@ -82,7 +82,7 @@ Eigen::Ref<const MatrixXd> Riccati::next_value(const Problem& problem, int k, in
   return P;
 }
 
-// Computes Qxx, Qxv, Qvv of cluster `index` in step_.
+// Computes Qxx, Qxv and Qvv of cluster `index` of knot k in step_.
 void Riccati::expand(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   step_.lay_out(c.nv, c.nx);
@@ -103,7 +103,7 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
   if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
 }
 
-// Computes F^T P+ F in step_.
+// Computes F^T P+ F of cluster `index` of knot k in step_.
 void Riccati::expand_next_value(const Problem& problem, int k, int index) {
   const Cluster& c = plan_[k][index];
   const SymplecticStructure* known = steps(problem, k, index);
@@ -119,7 +119,7 @@ void Riccati::expand_next_value(const Problem& problem, int k, int index) {
     step_.multiply(next_value(problem, k, index), c.members);
 }
 
-// Computes K and P.
+// Computes K and P of a cluster without couplings.
 Status Riccati::eliminate(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
@@ -138,7 +138,8 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
-// Computes K and P with couplings. Tests by Cholesky of Qvv + weight D^T D whether Qvv is positive where D v = 0.
+// Computes K and P of a cluster with couplings. A Cholesky factor of Qvv + weight D^T D shows whether Qvv is positive
+// definite on D v = 0.
 Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];
@@ -192,7 +193,7 @@ Outcome Riccati::do_factorize(const Problem& problem, const Regularisation& reg)
   return {};
 }
 
-// ---- the recursion of the vectors: k and p from k = T to 0, then x, v, lambda, mu from k = 0 to T
+// ---- recursions of the vectors: k and p from k = T to 0, then x, v, lambda, mu from k = 0 to T
 
 namespace {
 
@@ -210,7 +211,7 @@ void scatter(const VectorXd& in, const std::vector<int>& start, const std::vecto
 
 }  // namespace
 
-// Computes k and p of knot k, from t = p+ + P+ f.
+// Computes k and p of knot k from t = p+ + P+ f.
 void Riccati::backward(const Problem& problem, const Point& h, int k) {
   const bool last = k == problem.horizon();
   if (!last)

@@ -17,9 +17,9 @@ void grow(std::vector<double>& panel, std::ptrdiff_t size) {
   if (panel.size() < static_cast<std::size_t>(size)) panel.resize(static_cast<std::size_t>(size));
 }
 
-constexpr Index kTile = 8;  // size of transposed tiles: one cache line
+constexpr Index kTile = 8;  // size of transposed tiles, one cache line
 
-// Copies A to the row-major `out`.
+// Copies A to the row-major matrix `out` with rows of length ld.
 void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
   const Index rows = A.rows(), cols = A.cols(), stride = A.outerStride();
   for (Index j = 0; j < cols; j += kTile)
@@ -36,7 +36,7 @@ void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
     }
 }
 
-// Copies the lower triangle to the upper one.
+// Copies the lower triangle of A to its upper triangle.
 void mirror(MatrixXd& A) {
   const Index n = A.rows();
   for (Index j = 0; j < n; j += kTile)
@@ -82,7 +82,7 @@ void RiccatiStep::multiply(ConstMatrix P) {
   panel_kernels().upper_product(F_.data(), PF_.data(), nx_, cols, ld_, H_.data());
 }
 
-// Computes H with W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which selects the half y of x:
+// Computes H = F^T P F from W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which selects y of x:
 //
 //     F^T P F = F_z^T (W F_z + Y^T E) + E^T Y F_z + E^T J^T P_yy J E
 void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {
@@ -120,7 +120,8 @@ void RiccatiStep::multiply(ConstMatrix P, const std::vector<Member>& members) {
   double *PF = PF_.data(), *Z = Z_.data();
   std::fill_n(PF, nx_ * ld, 0.0);
   set_zero();
-  const auto each_piece = [&](const Member& m, auto&& use) {  // use(first column, columns)
+  // calls use(first column, number of columns) for the pieces of the member
+  const auto each_piece = [&](const Member& m, auto&& use) {
     for (const Piece& a : m.v) use(a.to, a.size);
     use(u_ + m.x, m.nx);
   };

@@ -1,4 +1,4 @@
-// manycontact-optimize: the command that needs the modules of optimal control.
+// The program manycontact-optimize, which contains the command that needs the modules of optimal control.
 
 #include "program/command/command.hpp"
 

@@ -26,7 +26,7 @@ MANYCONTACT_KEEPS_PYTHON(manycontact::ActionModelAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::ActionDataAbstract)
 MANYCONTACT_KEEPS_PYTHON(manycontact::CallbackAbstract)
 
-/// Calls the method `name` of the Python class, or that of T if Python does not define it (abstract T: an error).
+/// Calls the method `name` that Python defines, otherwise that of T. If T is abstract, a missing method is an error.
 #define MANYCONTACT_OVERRIDE(result, T, name, ...)        \
   if constexpr (std::is_abstract_v<T>) {                  \
     PYBIND11_OVERRIDE_PURE(result, T, name, __VA_ARGS__); \
@@ -38,15 +38,15 @@ namespace manycontact::python {
 
 using State = std::shared_ptr<StateMultibody>;
 
-/// Returns the data that Python's createData returned; raises ValueError for None.
+/// Returns the data that createData of Python returned. Raises ValueError for None.
 template <class Data>
 std::shared_ptr<Data> made(std::shared_ptr<Data> data) {
   if (!data) throw py::value_error("createData returned None, data are expected");
   return data;
 }
 
-/// Adds a member of action data that the library's models resize. Reading returns a writable view for data of models
-/// written in Python, which have fixed sizes, and a read-only copy for other data. Assignment writes into the member.
+/// Adds a member of action data that the library's models resize. Reading returns a writable view for models written in
+/// Python, whose data have fixed sizes, and a read-only copy for other models. Assignment writes into the member.
 template <class T, class... Options, class... Given>
 void add_resized(Class<T, Options...>& c, Given... given) {
   const auto add = [&c](const char* name, auto member) {
@@ -104,7 +104,7 @@ void add_bounds(Class<T, Options...>& c, Given... given) {
   in_groups<3>(add, given...);
 }
 
-/// Adds the members that differential and discrete action models have in common. Data: the abstract model's data.
+/// Adds the members that differential and discrete action models share. Data: class of the abstract model's data.
 template <class Data, class T, class... Options>
 void add_action_model(Class<T, Options...>& c) {
   c.read("state", &T::get_state, "nu", &T::get_nu, "nr", &T::get_nr, "ng", &T::get_ng, "nh", &T::get_nh, "ng_T",
@@ -116,7 +116,8 @@ void add_action_model(Class<T, Options...>& c) {
   c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
-/// A base class for models written in Python: calls their calc, calcDiff (data, x, u=None) and createData with the GIL.
+/// A base class for models written in Python. Calls their calc and calcDiff (data, x, u=None), and their createData,
+/// with the GIL.
 template <class Abstract, class AbstractData>
 struct PyActionModel : Abstract {
   using Abstract::Abstract;
@@ -140,7 +141,8 @@ struct PyActionModel : Abstract {
   }
 
  private:
-  // Calls Python's quasiStatic(self, data, x, maxiter, tol), which returns u. Returns false if it is not defined.
+  // Calls quasiStatic(self, data, x, maxiter, tol) of Python, which returns u. Returns false if Python has no such
+  // method.
   bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
     const py::gil_scoped_acquire gil;
     const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");

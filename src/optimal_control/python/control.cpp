@@ -98,7 +98,7 @@ void add_examples(py::module_& m) {
       .constructors<void(std::shared_ptr<Node>, bool)>()
       .read<&NumDiff::get_model>()
       .property<&NumDiff::get_disturbance, &NumDiff::set_disturbance>();
-  // Classes of nodes that Python cannot create. They have the members of the base class.
+  // These classes of nodes cannot be created in Python. They have the members of the base class.
   shared<ActionModelParts, Node>(m);
   shared<ActionModelAugmentedLagrangian, Node>(m).read<&ActionModelAugmentedLagrangian::get_model>();
 }

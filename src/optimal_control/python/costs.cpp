@@ -8,7 +8,7 @@ namespace manycontact::python {
 
 namespace {
 
-// Adds a property whose setter updates the cone.
+// Adds a property of a cone, whose setter also updates the cone.
 template <class Cone, class... Given>
 void add_updated(Class<Cone>& c, Given... given) {
   const auto add = [&c]<class X>(const char* name, X (Cone::*get)() const, auto set) {
@@ -17,7 +17,7 @@ void add_updated(Class<Cone>& c, Given... given) {
   in_groups<3>(add, given...);
 }
 
-// Adds a cone, pickled as its class and the arguments of its constructor.
+// Adds a cone class. A cone is pickled as its class and the arguments of its constructor.
 template <class Cone, class... Arguments>
 void add_cone(py::module_& m, auto... arguments) {
   Class<Cone> c(m);
@@ -52,7 +52,7 @@ void add_cones(py::module_& m) {
 
 using CostData = std::shared_ptr<CostDataAbstract>;
 
-// A base class for costs written in Python. T: CostModelAbstract, or a cost class of this library.
+// A base class for costs written in Python. T is CostModelAbstract, or a cost class of this library.
 template <class T>
 struct PyCost : T {
   using T::T;

@@ -14,7 +14,7 @@ namespace {
 
 using Index = std::size_t;
 
-// An entry of `running`, the calls to Python that run in this thread (the innermost call is last).
+// An entry of `running`, which lists the calls to Python that run in this thread. The innermost call is last.
 struct Running {
   const void* data;
   std::shared_ptr<Shared> shared;
@@ -93,7 +93,8 @@ void add_shared(py::module_& m) {
       });
 }
 
-// Returns a getter of a whole matrix: a view if the data contain the whole matrix, otherwise a copy from the blocks.
+// Returns a getter of a whole matrix. It returns a view if the data contain the whole matrix, otherwise a copy made
+// from the blocks.
 auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (ResidualDataAbstract::*made)() const) {
   return [member, made](const py::object& self) {
     auto& d = self.cast<ResidualDataAbstract&>();
@@ -117,8 +118,8 @@ auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
   };
 }
 
-// Adds a residual with a reference. For cones, Python gets the residual's own object, so that setting its members
-// changes the residual. Other references are copied.
+// Adds a residual with a reference. If this is a cone, Python gets the residual's own object, so that setting its
+// members changes the residual. Other references are copied.
 template <class T, class... Signatures>
 auto residual(py::module_& m) {
   auto c = shared<T, ResidualModelAbstract>(m);

@@ -1,5 +1,6 @@
 #pragma once
-// `data.shared`: the part of an action model that Python's residuals and costs can read in calc, calcDiff, createData.
+// `data.shared` is the part of an action model that residuals and costs in Python can read in calc, calcDiff,
+// createData.
 
 #include "action.hpp"
 #include "manycontact/action/state.hpp"
@@ -31,7 +32,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// Marks a call to Python in this thread for the lifetime of this object; `data` can then read their `shared`.
+/// Registers a call to Python in this thread during its lifetime, so that `data` can read their `shared`.
 class Scope {
  public:
   template <class Model, class Data>
@@ -40,14 +41,15 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// Returns the Shared of the innermost running call with these data. Raises ValueError if no call is running.
+  /// Returns the Shared of the innermost running call that has these data. Raises ValueError if no such call is
+  /// running.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:
   void begin(const void* data, std::shared_ptr<Shared> shared);
 };
 
-/// The result of Python's createData(self, shared), or nullptr if the class has none. T is the registered class.
+/// Returns the result of createData(self, shared) in Python, or null if the class has none. T is the registered class.
 template <class T, class Data>
 std::shared_ptr<Data> created_in_python(const T* model, DataCollector* collector) {
   const py::gil_scoped_acquire gil;

@@ -30,7 +30,7 @@ void add_problem(py::module_& m) {
       .def("__str__", &text_of<P>);
 }
 
-// A base class for solvers written in Python. T: SolverDDP or a subclass. solve() calls methods defined in Python.
+// A base class for solvers written in Python, where T is SolverDDP or a subclass. solve() calls methods of Python.
 template <class T>
 struct PySolver : T {
   using T::T;
@@ -48,7 +48,8 @@ struct PySolver : T {
   void resizeData() override { PYBIND11_OVERRIDE(void, T, resizeData, ); }
   double calcDiff() override {
     const auto cost = [this]() -> double { PYBIND11_OVERRIDE(double, T, calcDiff, ); };
-    return this->cost_ = cost();  // Python code cannot set cost_
+    // This is necessary, because Python code cannot set cost_.
+    return this->cost_ = cost();
   }
   void backwardPass() override { PYBIND11_OVERRIDE(void, T, backwardPass, ); }
   void forwardPass(double steplength) override { PYBIND11_OVERRIDE(void, T, forwardPass, steplength); }
@@ -72,8 +73,8 @@ struct PyCallback : CallbackAbstract {
 
 using Callbacks = std::vector<std::shared_ptr<CallbackAbstract>>;
 
-// The only callback of a solver while solve() runs. It calls the user's callbacks, then ends the solve after Ctrl-C.
-// If a callback replaces the list of callbacks, the new list is used from the next iteration.
+// The only callback of a solver while solve() runs. It calls the user's callbacks, and ends the solve after Ctrl-C. If
+// a callback replaces the list of callbacks, the new list is used from the next iteration on.
 struct Solving : CallbackAbstract {
   explicit Solving(Callbacks of) : users(std::move(of)) {}
   void operator()(SolverAbstract& solver) override {
@@ -163,7 +164,8 @@ void add_solver_base(py::module_& m) {
   auto callback = shared<CallbackAbstract, PyCallback>(m);
   auto solver = shared<S>(m, "SolverAbstract", kCollected);
   callback.constructors<void()>().def("__call__", [](CallbackAbstract& c, SolverAbstract& of) {
-    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();  // no __call__, or super().__call__ was called
+    // There is no __call__, or super().__call__ was called.
+    if (dynamic_cast<PyCallback*>(&c)) PyCallback::throw_undefined();
     c(of);
   });
   solver.def("solve", &solve_problem)

@@ -5,7 +5,7 @@ namespace manycontact::python {
 
 namespace {
 
-// Checks that x of a StateMultibody is a configuration and finite velocities. Other states check x themselves.
+// Checks that x of a StateMultibody contains a configuration and finite velocities. Other states check x themselves.
 void judge(const char* function, const char* what, const StateAbstract& state, const ConstVectorRef& x) {
   const auto* own = dynamic_cast<const StateMultibody*>(&state);
   if (!own || x.size() != static_cast<Eigen::Index>(own->get_nx())) return;
@@ -55,7 +55,7 @@ void add_states(py::module_& m) {
 
 using ActuationData = std::shared_ptr<ActuationDataAbstract>;
 
-// A base class for actuations written in Python. T: ActuationModelAbstract, or an actuation class of this library.
+// A base class for actuations written in Python. T is ActuationModelAbstract, or an actuation class of this library.
 template <class T>
 class PyActuation : public T {
  public:
@@ -81,7 +81,7 @@ class PyActuation : public T {
   }
 };
 
-// Adds members that are sparse matrices: Python reads a dense copy, and assigns a dense matrix.
+// Adds members that are sparse matrices. Python reads dense copies of them, and assigns dense matrices.
 template <class... Given>
 void add_matrices(Class<ActuationDataAbstract, ActuationData>& c, Given... given) {
   using D = ActuationDataAbstract;
@@ -155,7 +155,7 @@ void add_activation_base(py::module_& m) {
       .def(py::pickle([](const ActivationBounds& b) { return py::make_tuple(copy(b.lb), copy(b.ub), b.beta); },
                       [](const py::tuple& state) {
                         ActivationBounds b(state[0].cast<Bounds>().x, state[1].cast<Bounds>().x);
-                        b.beta = state[2].cast<double>();  // lb and ub are contracted already
+                        b.beta = state[2].cast<double>();  // lb and ub are already contracted
                         return b;
                       }))
       .def(py::init([](const Bounds& lb, const Bounds& ub, double beta) { return ActivationBounds(lb.x, ub.x, beta); }))

@@ -88,7 +88,7 @@ void add_differential_lqr(py::module_& m) {
       .read<&Lqr::get_Aq, &Lqr::get_Av, &Lqr::get_B, &Lqr::get_f>();
 }
 
-// Adds a model class Twin, which has the values of a model of class Part, and computes derivatives by differences.
+// Adds a model class Twin, which has the values of a model of class Part, but computes derivatives by differences.
 template <class Twin, class Part>
 void add_twin(py::module_& m) {
   shared<Twin, Part>(m)
@@ -96,7 +96,7 @@ void add_twin(py::module_& m) {
       .template property<&Twin::get_disturbance, &Twin::set_disturbance>();
 }
 
-// Evaluates a part (a cost, a residual ...) without an action model. Computes the robots' motion, which parts read.
+// Evaluates a part (a cost, a residual, ...) without an action model. Computes the motion of the robots for it.
 template <class Twin, class Part>
 class Alone {
  public:
@@ -113,7 +113,7 @@ class Alone {
   }
   Alone(const Alone&) = delete;
 
-  /// Returns the part's data after calc or calcDiff at x, u; without u: after the functions of a terminal node.
+  /// Returns the part's data after calc or calcDiff at x, u. Without u, these are the functions of a terminal node.
   const auto& at(const Vector& x, const std::optional<Vector>& u, bool differentiate) {
     check(x, u);
     move(x);

@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Whether a term requires that all its robots are in one block.
+// Returns whether a term requires that all its robots are in one block.
 bool joins_its_robots(const TaskTerm& term) {
   switch (term.residual) {
     case TaskResidual::kJointEffort:

@@ -15,7 +15,7 @@ namespace manycontact::task {
 
 namespace {
 
-// Returns the number of available bytes: that of /proc/meminfo, or all memory; at most the limit of the process.
+// Returns the number of available bytes according to /proc/meminfo, or of all memory, but at most the process's limit.
 double available() {
   double out = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   std::ifstream file("/proc/meminfo");
@@ -28,7 +28,7 @@ double available() {
   return out;
 }
 
-// Returns the bytes in use, or 0 if the C library does not report them.
+// Returns the number of bytes in use, or 0 if the C library does not report it.
 double in_use() {
 #if defined(__GLIBC__) && __GLIBC_PREREQ(2, 33)
   const struct mallinfo2 info = mallinfo2();
@@ -38,7 +38,7 @@ double in_use() {
 #endif
 }
 
-// Returns the bytes that solvers store for a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, and vectors.
+// Returns the number of bytes that solvers store for a node of n states and m controls: Vxx, Qxx, Qxu, Quu, K, vectors.
 double solver_bytes(double n, double m) { return 8 * (2 * n * n + 2 * n * m + 2 * m * m + 12 * (n + m)); }
 
 double solver_bytes(const ActionModelAbstract& model) {

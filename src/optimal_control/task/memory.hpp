@@ -4,10 +4,11 @@
 
 namespace manycontact::task {
 
-/// Throws InputError if data of nodes and solver would exceed the memory, which data of one node of each kind show.
+/// Throws InputError if the data of all nodes and of the solver would exceed the available memory. Measures the data of
+/// one node of each kind.
 void require_memory(const TaskFile& task, const ShootingProblem::Models& running);
 
-/// Whether the dense Riccati recursions of the task's parts fit into memory, estimated roughly.
+/// Returns whether dense Riccati recursions of the task's parts fit into half the available memory, estimated roughly.
 bool dense_parts_fit(const TaskFile& task);
 
 }  // namespace manycontact::task

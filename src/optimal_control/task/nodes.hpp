@@ -10,7 +10,8 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// Returns ActuationModelFull if no robot has a floating base or passive joints, else an actuation of all other joints.
+/// Returns ActuationModelFull if no robot has a floating base or passive joints, otherwise an actuation of the active
+/// joints.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
 /// Makes the differential model of a phase. Throws InputError if a term does not fit.
@@ -23,7 +24,8 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one per phase; null: a phase without impact
+  // One entry per phase; null for a phase without impact.
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
@@ -34,14 +36,14 @@ Scene scene_in(const TaskFile& task, const TaskPhase& phase);
 /// Returns the number of linearly dependent contact rows at x0, computed without the scene's damping.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
 
-/// Whether a contact that is active in the phase (or in the terminal node) closed after the first phase, and constrains
-/// its frames to the placements at that time. Its placement error is then not corrected.
+/// Returns whether a contact that is active in the phase (or in the terminal node) closed after the first phase, and
+/// constrains its frames to the placements at that time. Its placement error is then not corrected.
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact);
 
-/// Returns the guess of the torques in each phase: quasi-static torques at the configuration of x0, or zero.
+/// Returns for each phase the guess of the torques, which are quasi-static at the configuration of x0, or zero.
 std::vector<Eigen::VectorXd> guess_of(const TaskFile& task);
 
-/// Makes the nodes as coupled ActionModelParts. Each block contains one of the given groups of the task's robots.
+/// Makes the nodes as coupled ActionModelParts, with one block for each of the given groups of the task's robots.
 Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& groups);
 
 // ---- terms
@@ -50,15 +52,16 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  std::shared_ptr<ActuationModelAbstract> actuation;  // null for an impact, whose terms depend on the state alone
+  // Null for an impact, whose terms depend only on the state.
+  std::shared_ptr<ActuationModelAbstract> actuation;
   std::shared_ptr<ContactModelMultiple> contacts;
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };
 
-/// Returns (q, v) of the scene's file.
+/// Returns the state (q, v) of the scene file.
 Eigen::VectorXd x0_of(const SceneFile& file);
 
-/// Add the costs, or the constraints, of a term. Throw std::invalid_argument if the term does not fit the scene.
+/// Add the costs or the constraints of a term. Throw std::invalid_argument if the term does not fit the scene.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);
 void add_constraint(const TaskTerm& term, const Parts& parts, ConstraintModelManager& constraints);
 

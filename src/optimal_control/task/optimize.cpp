@@ -22,7 +22,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// Largest constraint violation and KKT residual of a task that converged.
+// Largest constraint violation and KKT residual of a task that counts as converged.
 constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
 
 double median(std::vector<double> x) {
@@ -49,7 +49,7 @@ class Timed : public Base {
   double calcDiff() override {
     const Timer timer;
     const double cost = Base::calcDiff();
-    if (this->iter_ > 0) passes_.derivatives.push_back(timer.get_us_duration());  // the first call also calls calc
+    if (this->iter_ > 0) passes_.derivatives.push_back(timer.get_us_duration());  // the first call includes calc
     return cost;
   }
   void backwardPass() override {
@@ -86,7 +86,7 @@ class Record : public CallbackAbstract {
   std::vector<TaskIteration>& iterations_;
 };
 
-// Resolves kAuto: sparse if make_problem has divided the problem into blocks, else FDDP.
+// Replaces kAuto by the solver to use: sparse if make_problem has divided the problem into blocks, otherwise FDDP.
 TaskSolver chosen(TaskSolver solver, std::size_t blocks) {
   if (solver != TaskSolver::kAuto) return solver;
   return blocks > 1 ? TaskSolver::kSparse : TaskSolver::kFddp;
@@ -111,14 +111,15 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
         const auto [at, is_new] = known.emplace(own.dx, out.size());
         if (is_new) out.push_back({own.dx, {}, std::vector<Eigen::MatrixXd>(T)});
         TaskGains& gains = out[at->second];
-        if (gains.u.empty()) gains.u = std::move(own.u);  // impacts have no controls
+        // Impacts have no controls, so that u is taken from another node.
+        if (gains.u.empty()) gains.u = std::move(own.u);
         gains.K[t] = std::move(own.K);
       }
   }
   return out;
 }
 
-// Returns e.g. "infeasible constraints: there, by 4.03 at node 40"; the largest violations come first.
+// Returns the reason with the largest violations, e.g. "infeasible constraints: there, by 4.03 at node 40".
 std::string with_violations(StopReason reason, std::vector<TaskViolation> violations) {
   std::sort(violations.begin(), violations.end(), [](const auto& a, const auto& b) { return a.by > b.by; });
   std::ostringstream text;
@@ -137,7 +138,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-// One solve: its task, problem, settings and result.
+// One solve, with its task, problem, settings and result.
 struct Run {
   const TaskFile& task;
   TaskProblem& problem;
@@ -177,7 +178,8 @@ struct Run {
 
   void with_constraints() {
     SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-    solver.set_penalty_init(task.step);  // the size of a running cost of weight 1, which is multiplied by the step
+    // The size of a running cost of weight 1, which contains the step as a factor.
+    solver.set_penalty_init(task.step);
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
     solver.set_measures_scale(true);
@@ -186,7 +188,8 @@ struct Run {
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
     out.multipliers = solver.get_multipliers();
-    problem.problem->calc(out.xs, out.us);  // also computes the forces of couplings
+    // This also computes the forces of couplings.
+    problem.problem->calc(out.xs, out.us);
     out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();
@@ -232,18 +235,19 @@ void go_on(Run& run) {
   run.problem.multipliers = guess.multipliers;
 }
 
-// Whether the solve ended at its guess, with a nonzero cost whose gradient is zero there.
+// Returns whether the solve ended at its guess, where the cost is not zero but its gradient is.
 bool stayed_at_guess(const TaskSolution& s) {
   if (!s.converged || s.iterations.empty() || s.cost <= 0) return false;
   return s.iterations.front().stop <= 1e-14 * s.cost && std::abs(s.iterations.front().cost - s.cost) <= 1e-12 * s.cost;
 }
 
-// Whether the cost decreases near controls us at which its gradient vanishes. Simulates a few small random changes of
-// us; limits: within the control limits. Sets us to the best controls, and xs to their states.
+// Returns whether the cost decreases near the controls us, at which its gradient vanishes. Simulates a few small random
+// changes of us, with `limits` within the control limits. Sets us to the best controls, and xs to their states.
 bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
   constexpr int kTries = 4;
   constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
-  constexpr double kFall = 1e-10;   // relative to the cost: above its rounding error
+  // Least decrease, relative to the cost; above its rounding error.
+  constexpr double kFall = 1e-10;
   std::mt19937 random(1);
   std::normal_distribution<double> change(0, kChange * internal::largest_number(us));
   const Vectors centre = us;
@@ -280,7 +284,7 @@ void leave_stationary_guess(Run& run) {
   go_on(run);
 }
 
-// Solves again with Box-FDDP: constraints that only bound torques become control limits, which every step satisfies.
+// Solves again with Box-FDDP. Constraints that only bound torques become control limits, which every step satisfies.
 void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
   const TaskFile free = task::without_constraints(run.task);
   TaskProblem limited = make_problem(free, TaskSolver::kBoxFddp);
@@ -322,7 +326,8 @@ void take_dense_recursion(Run& run) {
   go_on(run);
 }
 
-// Adds failures of the dynamics to the reason: at the result, or in the last tried steps if no step was accepted.
+// Adds failures of the dynamics to the reason. They are those at the result, or in the last tried steps if no step was
+// accepted.
 void tell_failures(Run& run) {
   TaskSolution& s = run.out;
   run.problem.problem->calc(s.xs, s.us);
@@ -344,7 +349,8 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   std::vector<task::TorqueBounds> bounds;
   const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
   const bool blocks = problem.blocks.size() > problem.parts.size() && task::dense_parts_fit(task);
-  const std::size_t all = run.most, methods = 1 + blocks + limits;  // the methods share the iterations equally
+  // The methods get equal shares of the iterations.
+  const std::size_t all = run.most, methods = 1 + blocks + limits;
   const std::size_t share = (all + methods - 1) / methods;
   const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };
   run.most = share;

@@ -15,7 +15,8 @@ void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
 
-// A part's robots and contacts as indices in the scene. robot_at, contact_at: index in the part of each, or -1.
+// The scene's indices of a part's robots and contacts. robot_at, contact_at: for each of the scene, its index in the
+// part, or -1.
 struct Share {
   std::vector<int> robots, contacts, robot_at, contact_at;
 };
@@ -63,13 +64,13 @@ SceneFile scene_of(const SceneFile& whole, const Share& share) {
   return out;
 }
 
-// Whether a residual has rows for single coordinates, so that one residual contains all robots of its term.
+// Returns whether a residual has rows for single coordinates, so that one residual contains all robots of its term.
 bool is_of_coordinates(TaskResidual residual) {
   return residual == TaskResidual::kState || residual == TaskResidual::kControl ||
          residual == TaskResidual::kJointEffort || residual == TaskResidual::kJointAcceleration;
 }
 
-// Returns the rows that belong to the part, of a term with one number for each coordinate of the whole scene.
+// Returns the part's rows of a term that has one number for each coordinate of the whole scene.
 TaskTerm of_part_of_scene(TaskTerm term, const Scene& scene, const Share& share) {
   const std::vector<int> rows = rows_of(term.residual, scene, share.robots);
   term.nr = static_cast<int>(rows.size());
@@ -88,7 +89,7 @@ std::vector<int> of_share(const std::vector<int>& whole, const std::vector<int>&
   return out;
 }
 
-// Divides a term of copied robots or contacts into one term for each copy in the part, named as in the whole scene.
+// Divides a term of copied robots or contacts into one term for each copy in the part. Names are as in the whole scene.
 std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm::*all, const std::vector<int>& at) {
   std::vector<TaskTerm> out;
   const std::vector<int>& copies = term.*all;
@@ -102,7 +103,7 @@ std::vector<TaskTerm> copies_of(const TaskTerm& term, std::vector<int> TaskTerm:
   return out;
 }
 
-// Returns the terms of the part that a term of the whole task becomes; none if the term has other robots or contacts.
+// Returns the terms of the part that result from a term of the whole task, or none if the term is about other robots.
 std::vector<TaskTerm> terms_of(const TaskTerm& term, const Scene& scene, const Share& share) {
   if (joins_all(term)) return {term};
   if (!term.contacts.empty()) return copies_of(term, &TaskTerm::contacts, share.contact_at);
@@ -121,7 +122,8 @@ TaskPhase phase_of(const TaskPhase& phase, const Scene& scene, const Share& shar
   out.impact = phase.impact;
   out.at_scene = phase.at_scene;
   for (const int c : share.contacts) out.active.push_back(phase.active[c]);
-  for (std::size_t k = 0; k < phase.wrenches.size(); ++k)  // wrenches on the part's robots, as in take_applied_forces
+  // Wrenches on the part's robots are selected as in take_applied_forces.
+  for (std::size_t k = 0; k < phase.wrenches.size(); ++k)
     if (share.robot_at[scene.wrenches[k].at.robot] >= 0) out.wrenches.push_back(phase.wrenches[k]);
   for (auto terms : {&TaskPhase::costs, &TaskPhase::constraints})
     for (const TaskTerm& term : phase.*terms)
@@ -149,7 +151,8 @@ std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRob
   for (const TaskPhase& phase : task.phases) join(phase, sets);
   join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of a set, by the set's root (its first robot)
+  // Index in `out` of each set, by the set's root, which is its first robot.
+  std::vector<std::size_t> at(scene.robots.size());
   for (int r = 0; r < scene.nrobots(); ++r) {
     const auto root = static_cast<std::size_t>(sets.root(r));
     if (root == static_cast<std::size_t>(r)) {

@@ -19,7 +19,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kOutOfPlace = 1e-3;  // m, rad
+constexpr double kOutOfPlace = 1e-3;  // smallest error [m, rad] that is reported
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
@@ -64,7 +64,7 @@ bool is_goal(TaskResidual residual) {
 
 using ByName = std::map<std::string, PlanCost>;
 
-// Maps the name of each cost in the problem to the task's term: a term of several robots is several named costs.
+// Maps the name of each cost in the problem to its term. A term of several robots is several named costs.
 std::map<std::string, const TaskTerm*> terms_by_item(const TaskFile& task) {
   std::map<std::string, const TaskTerm*> out;
   const auto add = [&](const TaskPhase& phase) {
@@ -132,7 +132,7 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
   return {"closes", contact.name, text + ", at " + show(c.speed) + " m/s", c.node};
 }
 
-// Adds findings about nearly dependent contact rows, at the first node of each different set of active contacts.
+// Adds findings about nearly dependent contact rows, at the first node with each set of active contacts.
 void add_near_dependent(const TaskFile& task, const Vectors& xs, const Vectors& us, std::vector<PlanFinding>& out) {
   const Scene& scene = task.scene.scene;
   const std::vector<TaskNode> nodes = timeline(task);

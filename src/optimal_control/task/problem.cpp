@@ -18,7 +18,7 @@ using task::Nodes;
 
 namespace {
 
-// Calls f, and converts std::invalid_argument of action models to InputError at the given line of the task file.
+// Calls f. A std::invalid_argument of action models becomes an InputError at the given line of the task file.
 template <class F>
 void blame(const TaskFile& task, int line, const F& f) {
   try {
@@ -46,7 +46,8 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
 namespace task {
 
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
-  std::size_t k = 0;  // number of the phase; the terminal node has the contacts of the last phase
+  // Number of the phase, where the terminal node has the contacts of the last phase.
+  std::size_t k = 0;
   while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
   while (k > 0 && task.phases[k - 1].active[contact]) --k;
   return k > 0 && !task.phases[k].at_scene;
@@ -125,8 +126,8 @@ std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
 
 namespace {
 
-// Makes state, actuation and differential models. With kSparse the models are for inspection only: the nodes use other
-// models, one for each subproblem.
+// Makes state, actuation and differential models. With kSparse the models only serve to inspect them, because the nodes
+// use one model per subproblem.
 TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   TaskProblem out;
   out.state = std::make_shared<StateMultibody>(task.scene.scene);
@@ -140,7 +141,7 @@ TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   return out;
 }
 
-// Returns the constraints of phase `before` on its last state; null if no constraint depends on the state alone.
+// Returns the constraints of phase `before` on its last state, or null if none depends on the state alone.
 std::shared_ptr<ConstraintModelManager> constraints_of(const TaskFile& task, const TaskPhase& before,
                                                        const std::shared_ptr<StateMultibody>& state) {
   const task::Parts parts{task, state, nullptr, nullptr};
@@ -173,7 +174,7 @@ Nodes nodes_of(const TaskFile& task, const TaskProblem& problem) {
   return out;
 }
 
-// Divides a part's robots into blocks if couplings permit blocks and, with kAuto, if this takes fewer operations.
+// Divides a part's robots into blocks if couplings permit this and, with kAuto, if directions take fewer operations.
 std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver) {
   std::vector<std::vector<int>> blocks;
   if (solver != TaskSolver::kBoxFddp) blocks = divide_robots(part);
@@ -183,7 +184,7 @@ std::vector<std::vector<int>> blocks_of(const TaskFile& part, TaskSolver solver)
   return {internal::range(0, part.scene.scene.nrobots())};
 }
 
-// Makes the shooting problem from the nodes. us: one vector per phase.
+// Makes the shooting problem from the nodes. us: guess of the torques, one vector per phase.
 void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::VectorXd>& us, TaskProblem& out) {
   ShootingProblem::Models running;
   for (std::size_t k = 0; k < task.phases.size(); ++k) {
@@ -200,7 +201,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and the blocks of these robots (numbers within the part).
+// A part of the scene: its robots, and the blocks of these robots (as indices within the part).
 struct Part {
   std::vector<int> robots;
   TaskFile task;
@@ -217,7 +218,7 @@ std::vector<Part> parts_of(const TaskFile& task, TaskSolver solver) {
   return out;
 }
 
-// Makes one node, ActionModelParts, of all parts. The node of an impact has no controls.
+// Makes one node, an ActionModelParts, of all parts. The node of an impact has no controls.
 std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::vector<ActionPart> parts) {
   std::size_t nu = 0;
   for (const ActionPart& part : parts) nu += part.u.size();
@@ -226,7 +227,7 @@ std::shared_ptr<ActionModelAbstract> together(const TaskProblem& problem, std::v
   return out;
 }
 
-// Selects the storage of a part's nodes: panels for one island (one robot) with torques, Euler, and no constraints.
+// Returns the storage of a part's nodes. It is kPanel for one robot with torques, Euler, and no constraints.
 MatrixStorage storage_of(const TaskFile& part) {
   const Scene& scene = part.scene.scene;
   const bool panel =
@@ -234,7 +235,7 @@ MatrixStorage storage_of(const TaskFile& part) {
   return panel ? MatrixStorage::kPanel : MatrixStorage::kDense;
 }
 
-// Makes the nodes and the guess of every part, and joins the nodes to ActionModelParts of the whole scene.
+// Makes the nodes and the guess of every part, and combines the nodes to ActionModelParts of the whole scene.
 void finish_by_parts(const TaskFile& task, const std::vector<Part>& parts, TaskProblem& out) {
   const std::size_t phases = task.phases.size();
   std::vector<std::vector<ActionPart>> of_phases(phases), of_impacts(phases);

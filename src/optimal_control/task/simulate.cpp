@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the torques us - K dx of node t, where dx = x (-) xs.
+// Returns the torques us - K dx of node t, where dx = x (-) xs[t].
 Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen::VectorXd& dx) {
   Eigen::VectorXd u = solution.us[t];
   for (const TaskGains& part : solution.gains) {
@@ -33,8 +33,8 @@ void check_fits(const TaskFile& task, const TaskSolution& solution, const StateM
   require(fits, "simulate", "the solution is of another task");
 }
 
-// Activates the contacts of the phase. Closing contacts constrain their frames to the current placements, or with
-// at="scene" to the placements of the scene. Returns false if the impact failed.
+// Activates the contacts of the phase. Closing contacts constrain their frames to the current placements, or, if the
+// phase has at="scene", to the placements of the scene. Returns false if the impact failed.
 bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, SimulatedMotion& out) {
   const std::vector<char> active(phase.active.begin(), phase.active.end());
   for (std::size_t c = 0; c < active.size(); ++c)
@@ -45,7 +45,7 @@ bool switch_to(const TaskPhase& phase, Scene& scene, SimulationData& world, Simu
   return jump.status != Status::kFailed;
 }
 
-// Returns the scene with contacts that have the recommended gains of the integrator for steps of h.
+// Returns the scene with the contacts of the first phase, with the integrator's recommended gains for steps of h.
 Scene held(const TaskFile& task, Integrator integrator, double h) {
   Scene scene = task::scene_with(task, task.phases.front().active);
   const Gains gains = recommended_gains(integrator, h);

@@ -14,15 +14,16 @@ namespace manycontact::task {
 
 namespace {
 
-// One residual of a term, for one copy (robot or contact) or for all copies.
+// One residual of a term, for one copy of a robot or contact, or for all copies.
 struct Residual {
-  std::string name;  // the term's name, with the copy's number if there are several
+  std::string name;  // the term's name, followed by the copy's number if there are several
   std::shared_ptr<ResidualModelAbstract> model;
   int copies = 1;                // number of repetitions of the term's weights and bounds
   Eigen::VectorXd lower, upper;  // bounds of a cone
 };
 
-// Returns the motion from the original robot to its copy `to`, which moves a copied term's references; else identity.
+// Returns the motion that moves the references of a term from the original robot to its copy `to`. It is the identity
+// if the term is not copied.
 SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
   return term.copied ? file.moved[to] : SE3<double>{};
 }
@@ -37,12 +38,13 @@ Vec6<double> six(const Eigen::VectorXd& given) {
   return given.size() == 6 ? Vec6<double>(given) : Vec6<double>(Vec6<double>::Zero());
 }
 
-// Whether the cost depends on |r| alone, so that the axes of r have no effect.
+// Returns whether the cost depends only on |r|, so that the axes of r have no effect.
 bool is_isotropic(const TaskTerm& term) {
   return term.activation == TaskActivation::kQuad && term.lower.size() == 0 && term.upper.size() == 0;
 }
 
-// Expresses a residual in world axes along the axes of its copy, R times world axes, where weights and bounds apply.
+// Expresses a residual in world axes along the axes of its copy, to which weights and bounds apply. R rotates the world
+// axes to these axes.
 std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::shared_ptr<ResidualModelAbstract> model,
                                                    const Mat3<double>& R) {
   const Eigen::Index nr = static_cast<Eigen::Index>(model->get_nr());
@@ -61,7 +63,7 @@ Eigen::MatrixXd inverse_action(const SE3<double>& T) {
 
 // ---- single coordinates of the scene, or of the robots
 
-// Returns the reference for the whole scene. Coordinates that the term does not set are 0 (for a state: as in x0).
+// Returns the reference for the whole scene. Coordinates that the term does not set are 0, or for a state those of x0.
 Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;
@@ -91,7 +93,8 @@ std::shared_ptr<ResidualModelAbstract> whole(const TaskTerm& term, const Parts& 
       return std::make_shared<ResidualModelJointAcceleration>(p.state, reference, p.nu());
     case TaskResidual::kJointEffort:
       return std::make_shared<ResidualModelJointEffort>(p.state, p.actuation, reference, p.nu());
-    default: {  // the controls of blocks may contain wrenches of couplings after the torques
+    // Controls of blocks may contain wrenches of couplings after the torques.
+    default: {
       Eigen::VectorXd of_all = Eigen::VectorXd::Zero(p.nu());
       of_all.head(reference.size()) = reference;
       return std::make_shared<ResidualModelControl>(p.state, of_all);
@@ -108,7 +111,8 @@ Residual of_coordinates(const TaskTerm& term, const Parts& p) {
     return out;
   }
   std::vector<int> rows;
-  for (const int r : term.robots) {  // robot by robot, because the term's numbers are repeated for each robot
+  // There is one residual per robot, because the term's numbers are repeated for each robot.
+  for (const int r : term.robots) {
     const std::vector<int> own = rows_of(term.residual, scene, {r});
     rows.insert(rows.end(), own.begin(), own.end());
   }
@@ -152,12 +156,13 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
       if (term.reference_frame == ReferenceFrame::kLocal) return of(twist);
       if (term.reference_frame == ReferenceFrame::kLocalWorldAligned || T.p.isZero(0))
         return in_own_axes(term, of(turned(T.R, twist)), T.R);
-      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // T also moves the origin
+      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // T also displaces the origin
     }
   }
 }
 
-// The axes of a cone on a contact, and the cone's rotation R in these axes: z along the normal (contact/normal.hpp).
+// The axes of a cone on a contact, and the rotation R of the cone in these axes, with z along the normal
+// (contact/normal.hpp).
 struct Cone {
   ConeAxes axes;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -180,7 +185,7 @@ Cone cone_of(const TaskTerm& term, const Parts& p, const Contact& contact) {
   return out;
 }
 
-// Returns the wrench with the term's numbers, in the contact's reference frame. R: rotation of the copied robot.
+// Returns the wrench with the numbers of the term, in the contact's reference frame. R: rotation of the copied robot.
 Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, const Mat3<double>& R) {
   Vec6<double> force = Vec6<double>::Zero();
   if (numbers.size() == 0) return force;
@@ -195,7 +200,7 @@ Vec6<double> force_of(const Eigen::VectorXd& numbers, const Contact& contact, co
   return force;
 }
 
-// Makes the residual A f of a cone on a contact, with the bounds of the cone.
+// Makes the residual A f of a cone on a contact, with its bounds.
 template <class Model, class ConeOfForces>
 Residual in_cone(const ConeOfForces& cone, const Parts& p, FrameIndex id, ConeAxes axes, const std::string& contact) {
   auto model = std::make_shared<Model>(p.state, id, cone, p.nu());
@@ -204,7 +209,7 @@ Residual in_cone(const ConeOfForces& cone, const Parts& p, FrameIndex id, ConeAx
   return {{}, std::move(model), 1, cone.get_lb(), cone.get_ub()};
 }
 
-// Makes the residual of a contact. References, facets, weights and bounds in world axes are rotated with the copy.
+// Makes the residual of a contact. References, facets, weights and bounds in world axes rotate with the copy.
 Residual of_contact(const TaskTerm& term, const Parts& p, int c) {
   const Contact& contact = p.task.scene.scene.contacts[c];
   const FrameIndex id = p.contacts->get_contacts().at(contact.name)->contact->get_id();
@@ -303,7 +308,7 @@ void add_cost(const TaskTerm& term, const Parts& p, CostModelSum& costs) {
     costs.addCost(r.name, std::make_shared<CostModelResidual>(p.state, activation_of(term, r), r.model), term.weight);
 }
 
-// Adds a constraint for each residual of the term. Rows without a finite bound are left out.
+// Adds one constraint for each residual of the term. Rows without a finite bound are left out.
 void add_constraint(const TaskTerm& term, const Parts& p, ConstraintModelManager& constraints) {
   for (Residual& r : residuals_of(term, p)) {
     const Eigen::VectorXd lower = lower_of(term, r), upper = upper_of(term, r);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// Intersects the bounds with those of one term, whose numbers are repeated for each of its robots.
+// Intersects the bounds with those of one term. The term's numbers are repeated for each of its robots.
 void add_term(const TaskFile& task, const TaskTerm& term, TorqueBounds& out) {
   const Scene& scene = task.scene.scene;
   std::vector<int> rows;
@@ -54,7 +54,7 @@ bool bounds_torques_alone(const TaskFile& task, std::vector<TorqueBounds>& bound
       if (term.residual != TaskResidual::kControl && term.residual != TaskResidual::kJointEffort) return false;
       add_term(task, term, own);
     }
-    if ((own.lower.array() > own.upper.array()).any()) return false;  // no torque satisfies the bounds
+    if ((own.lower.array() > own.upper.array()).any()) return false;  // no torques are admissible
     bounds.push_back(std::move(own));
   }
   return true;

@@ -8,13 +8,13 @@ struct TorqueBounds {  // Bounds of the torques in a phase: nu numbers of the sc
   Eigen::VectorXd lower, upper;
 };
 
-/// Whether all constraints bound `control` or `joint_effort`, and can be satisfied. Sets the bounds of each phase.
+/// Returns whether all constraints bound `control` or `joint_effort`, and can be satisfied. Sets `bounds` per phase.
 bool bounds_torques_alone(const TaskFile& task, std::vector<TorqueBounds>& bounds);
 
 TaskFile without_constraints(TaskFile task);
 
-/// Makes the bounds the control limits of the problem's nodes and of their parts (with solver box-fddp also the robots'
-/// effort limits). Moves the problem's guess within these limits.
+/// Makes the bounds the control limits of the problem's nodes and their parts. With solver box-fddp, the robots' effort
+/// limits also remain. Moves the problem's guess within the limits.
 void limit_torques(const TaskFile& task, const std::vector<TorqueBounds>& bounds, TaskProblem& problem);
 
 }  // namespace manycontact::task

@@ -16,7 +16,7 @@ namespace {
 
 using Worst = std::map<std::string, TaskViolation>;
 
-// Returns the largest distance of rows [first, first + count) of g from the bounds; infinite after a NaN.
+// Returns the largest distance of rows [first, first + count) of g from their bounds, or infinity if one is NaN.
 double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                 Eigen::Index first, Eigen::Index count) {
   double out = 0;
@@ -25,7 +25,7 @@ double distance(const Eigen::VectorXd& g, const Eigen::VectorXd& lower, const Ei
   return out;
 }
 
-// Updates the worst violation of each constraint with the rows of one node. g, h are stacked in the order of names.
+// Updates the worst violation of each constraint with the rows of one node. g and h are stacked in the order of names.
 void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   const Eigen::VectorXd& lower = terminal ? constraints.get_lb_T() : constraints.get_lb();
@@ -44,7 +44,7 @@ void add_rows(std::size_t t, const ConstraintModelManager& constraints, bool ter
   }
 }
 
-// Collects the violations of a node, in each of its subproblems.
+// Collects the violations of a node and of its subproblems.
 void add_node(std::size_t t, const ActionModelAbstract& model, bool terminal, const ActionDataAbstract& data,
               Worst& worst) {
   if (const auto* whole = dynamic_cast<const ActionModelParts*>(&model)) {

@@ -18,7 +18,8 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// The data of a run in one process. `part`: this process's islands, or the whole scene if states are split instead.
+/// The data of a run in one process. `part` contains the islands of this process, or the whole scene if the processes
+/// split the states.
 struct BatchRun {
   ScenePart part;
   std::string name;
@@ -26,7 +27,7 @@ struct BatchRun {
   std::unique_ptr<NpyInput> states;
   std::vector<NpyOutput> out;  // files of [a f status], and of derivatives if requested
   std::unique_ptr<BatchData> data;
-  std::int64_t count = 0, block = 0;  // number of states, in all and per block
+  std::int64_t count = 0, block = 0;  // numbers of states: in all, per block
 
   bool derivatives() const { return out.size() > 1; }
   int in_size() const { return part.nq + part.nv + part.nu; }
@@ -35,7 +36,7 @@ struct BatchRun {
   std::int64_t derivative_cols() const { return 2 * std::int64_t{part.nv} + part.nu; }
 };
 
-/// One block of states. `in` and `out` have the coordinates of the whole scene; other members those of the part.
+/// One block of states. `in` and `out` refer to coordinates of the whole scene, the other members to those of the part.
 struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
@@ -62,7 +63,8 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// Returns the number of states per block: at most 64 MB, 1 to 4096 states, and at least four blocks per process.
+// Returns the number of states per block: 1 to 4096 states in at most 64 MB. If several processes split the states,
+// there are at least four blocks per process.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());
@@ -109,12 +111,13 @@ BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
   return run;
 }
 
-// Writes the part's rows of the derivatives at states first, first+1, ... into the file of the whole scene's rows.
+// Writes the part's derivatives at the states first, first+1, ... into the rows of the whole scene's file.
 void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
-  if (b.d.cols() == rows * cols) {  // the part is the whole scene
+  // In this case the part is the whole scene.
+  if (b.d.cols() == rows * cols) {
     file.write(first * rows * cols, b.d.size(), b.d.data());
     return;
   }
@@ -137,7 +140,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   }
 }
 
-// Solves the part at states first, ..., first+n-1. Writes solutions to b.out, derivatives to their file.
+// Solves the part at the states first, ..., first+n-1. Writes solutions to b.out, and derivatives to their file.
 void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
@@ -160,8 +163,8 @@ void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   }
 }
 
-// Computes every block and counts the states by status. If processes split the states, each computes every size()-th
-// block. If they split the islands, each computes all blocks and rank 0 writes the output.
+// Computes the blocks and returns the number of states per status. If processes split the states, each computes every
+// size()-th block. If they split the islands, each computes all blocks, and rank 0 writes the output.
 std::vector<std::int64_t> work(BatchRun& run, Communicator& communicator) {
   std::vector<std::int64_t> counts(kStatuses, 0);
   StateBlock b;
@@ -204,7 +207,8 @@ int run_batch(const Arguments& arguments) {
 
 int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
-  const auto together = [&communicator](auto&& step) {  // runs a step that may fail in some of the processes
+  // Runs a step that may fail in some of the processes only.
+  const auto together = [&communicator](auto&& step) {
     std::exception_ptr error;
     try {
       step();
@@ -225,8 +229,10 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  communicator.sum(counts);      // also waits for all processes
-  if (communicator.rank() == 0)  // the file of solutions comes last: if it exists, that of derivatives is complete
+  // sum also waits for all processes
+  communicator.sum(counts);
+  // The file of solutions comes last, so that the file of derivatives is complete if it exists.
+  if (communicator.rank() == 0)
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();
   communicator.end();
   if (communicator.rank() == 0) print_summary(run, counts);

@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact batch`, in one process or in several.
+// The command `manycontact batch`, in one process or in several.
 
 #include <cstdint>
 #include <exception>
@@ -8,26 +8,26 @@
 
 namespace manycontact::cli {
 
-/// Communication between the processes of a run (mpi_main.cpp overrides it). All processes must make equal calls.
+/// Communication between the processes of a run, which mpi_main.cpp overrides. All processes must make the same calls.
 class Communicator {
  public:
   virtual ~Communicator() = default;
   virtual int rank() const { return 0; }
   virtual int size() const { return 1; }
 
-  /// Waits for all processes. If some have errors, the first such process throws its error; others end silently.
+  /// Waits for all processes. If some have errors, the first of them throws its error, and the others end silently.
   virtual void agree(std::exception_ptr error) {
     if (error) std::rethrow_exception(error);
   }
-  /// After this call, until the end of the run, an error of one process ends all processes.
+  /// From this call to `end`, an error of one process ends all processes.
   virtual void begin() {}
   virtual void end() {}
 
-  /// Distributes the value of rank 0 to all.
+  /// Returns the text of rank 0 in all processes.
   virtual std::string told(const std::string& text) { return text; }
-  /// Sums over all processes; every process gets the sums.
+  /// Replaces the numbers by their sums over all processes, in every process.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
-  /// collect: rank 0 gets each number from the only process where it is not zero. largest: rank 0 gets the maxima.
+  /// collect gives rank 0 each number of the only process where it is not zero; largest gives rank 0 the maxima.
   virtual void collect(double* numbers, std::int64_t count) { (void)numbers, (void)count; }
   virtual void largest(std::vector<int>& numbers) { (void)numbers; }
 };
@@ -35,7 +35,7 @@ class Communicator {
 /// Runs the command as one process of the communicator. Returns the exit status.
 int run_batch(const Arguments& arguments, Communicator& communicator);
 
-/// Whether this process is one of several that mpirun started.
+/// Returns whether this process is one of several that mpirun started.
 bool under_mpirun();
 
 }  // namespace manycontact::cli

@@ -1,5 +1,5 @@
 #pragma once
-// NumPy's .npy files of float64 numbers (little endian, C order), read and written a few rows at a time.
+// Reads and writes NumPy's .npy files of float64 numbers (little endian, C order), a few rows at a time.
 
 #include <cstdint>
 #include <memory>
@@ -22,7 +22,7 @@ class NpyInput {
   NpyInput& operator=(const NpyInput&) = delete;
 
   const std::vector<std::int64_t>& shape() const { return shape_; }
-  /// Reads `count` numbers from index `first` on, in the file's order. Throws InputError.
+  /// Reads `count` numbers from index `first` on, in the order of the file. Throws InputError.
   void read(std::int64_t first, std::int64_t count, double* out) const;
 
  private:
@@ -31,16 +31,17 @@ class NpyInput {
 
   std::string path_;
   int file_ = -1;
-  std::int64_t data_ = 0;  // position of the numbers in the file
+  std::int64_t data_ = 0;  // position of the first number in the file
   std::vector<std::int64_t> shape_;
 };
 
-/// An output file that several processes may write: one calls create(), the others join() with the temporary name.
+/// An output file that several processes may write. One process calls create(), the others join() with the temporary
+/// name.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
 
-  /// Creates the file and writes its header. Throws InputError, also if it exists and is not a regular file.
+  /// Creates the file and writes its header. Throws InputError, also if a file that is not regular has this name.
   void create();
   void join(const std::string& temporary);
   const std::string& temporary() const { return file_->temporary(); }

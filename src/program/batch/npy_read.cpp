@@ -26,7 +26,7 @@ struct Header {
   std::vector<std::int64_t> shape;
 };
 
-// Converts the text of a Python dictionary to JSON: tuples become lists, and strings get double quotes.
+// Converts the text of a Python dictionary to JSON. Tuples become lists, and strings get double quotes.
 std::string as_json(const std::string& python) {
   std::string out;
   for (const char c : python) {
@@ -41,7 +41,7 @@ std::string as_json(const std::string& python) {
   return out;
 }
 
-// Reads the header dictionary; returns false unless it has exactly the three keys of NumPy's format, in any order.
+// Reads the header dictionary. Returns false unless it has exactly the three keys of NumPy's format, in any order.
 bool parse(const std::string& text, Header& out) {
   const Json json = Json::parse(as_json(text), nullptr, false);
   if (!json.is_object() || json.size() != 3) return false;
@@ -55,7 +55,7 @@ bool parse(const std::string& text, Header& out) {
   return true;
 }
 
-// Returns the number of elements of an array of this shape, or -1 if no file could contain so many.
+// Returns the number of elements of an array of this shape, or -1 if no file can contain so many.
 std::int64_t numbers_of(const std::vector<std::int64_t>& shape) {
   std::int64_t out = 1;
   for (std::int64_t n : shape)

@@ -17,14 +17,14 @@ void append(std::vector<Segment>& list, int whole, int own, int count) {
     list.push_back({whole, own, count});
 }
 
-// Robots and active contacts of the islands, ascending.
+// The robots and active contacts of a part's islands, in ascending order.
 struct Members {
   std::vector<int> robots, contacts;
 };
 Members members_of(const Scene& scene, const std::vector<Island>& islands, int number, int parts) {
   std::int64_t total = 0, before = 0;
   for (const Island& island : islands) total += island.size();
-  // both robots of a contact must be in one part, also a robot whose fixed base the contact acts on
+  // Both robots of a contact must be in one part, even if the contact acts on the fixed base of one of them.
   const int count = static_cast<int>(islands.size());
   std::vector<int> memory(count), island_of(scene.robots.size()), part(count);
   sparse::UnionFind neighbours(memory);
@@ -37,7 +37,7 @@ Members members_of(const Scene& scene, const std::vector<Island>& islands, int n
   Members out;
   for (int i = 0; i < count; ++i) {
     const Island& island = islands[i];
-    // an island is in the part that contains its middle; coupled islands are in the part of their set's root
+    // An island is in the part that contains its middle. Coupled islands are in the part of the root of their set.
     const std::int64_t middle = 2 * before + island.size();
     part[i] = total > 0 ? static_cast<int>(std::min<std::int64_t>(middle * parts / (2 * total), parts - 1)) : -1;
     part[i] = part[neighbours.root(i)];
@@ -77,7 +77,8 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
     first_row[c] = part.nf;
     part.nf += active[c] ? scene.contacts[c].rows() : 0;
   }
-  for (int c : members.contacts) {  // copied unchanged: add_contact would normalise axes again
+  // Contacts are copied, because add_contact would normalise axes again.
+  for (int c : members.contacts) {
     Contact contact = scene.contacts[c];
     contact.A.robot = own_robot[contact.A.robot];
     if (contact.B.robot >= 0) contact.B.robot = own_robot[contact.B.robot];

@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Makes a file name from the scene's name, different from all names used before.
+// Makes a file name from the scene's name that differs from all names in `taken`.
 std::string file_name(const std::string& scene, std::set<std::string>& taken) {
   std::string name;
   for (char c : scene) name += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
@@ -39,7 +39,7 @@ std::vector<std::string> files_written(const std::vector<std::string>& pictures)
   return files;
 }
 
-// Returns the scene's name, with its path if several scenes have this name.
+// Returns the scene's name, followed by its path if several scenes have this name.
 std::string label_of(const SceneFile& file, const std::vector<SceneFile>& all) {
   const auto namesakes =
       std::ranges::count_if(all, [&](const SceneFile& other) { return other.scene.name == file.scene.name; });

@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact chart`: times and errors of every method, order and regularisation on a scene.
+// The command `manycontact chart`, which measures times and errors of every method, order and damping on a scene.
 
 #include <functional>
 #include <memory>
@@ -16,78 +16,79 @@ namespace manycontact::cli {
 inline constexpr double kGuessedDampings[] = {1e-12, 1e-9, 1e-6, 1e-3};
 
 struct ChartLimits {
-  double seconds = 16;  // s: total time of repeated measurements of a scene
-  double longest = 20;  // seconds: a call that would take roughly longer is skipped
+  double seconds = 16;  // total time of repeated measurements of a scene [s]
+  double longest = 20;  // calls that are predicted to take longer are skipped [s]
 };
 
 enum class Outcome { kAnswered, kFailed, kSkipped };
 
-/// Significant digits of times and errors in a chart. Rounding makes results equal that differ by rounding errors, and
-/// the Pareto front is computed from the rounded numbers.
+/// The number of significant digits of times and errors in a chart. Results that differ only by rounding errors become
+/// equal, and the Pareto front is computed from the rounded numbers.
 inline constexpr int kDigits = 6;
 double as_written(double x);
 
-/// One mark on the chart. Errors are relative to a solution of the scene in quadruple precision, in the maximum norm,
-/// the worst over robots (and blocks of derivatives). They are missing if there is no such solution.
+/// One mark on the chart. Errors are relative to a solution of the scene in quadruple precision, in the maximum norm.
+/// They are the largest of all robots and blocks of derivatives, and missing if there is no such solution.
 struct ChartRow {
   Method method = Method::kAuto;
   std::optional<Order> order;
   double damping = 0;
-  bool guessed = false;  // the damping is not the scene's
+  bool guessed = false;  // whether the damping differs from the scene's
 
   Outcome outcome = Outcome::kAnswered;
-  Status status = Status::kOk;             // last solve's status; kRegularised if it succeeded with a guessed damping
-  std::string answered_by;                 // methods and orders that solved islands, joined: "sparse-ldl leaf-to-root"
-  std::string fallback;                    // why the first island with another method than `method` used it
-  std::optional<double> time;              // time of a solve, us
-  std::optional<double> time_derivatives;  // us
+  Status status = Status::kOk;             // status of the last solve; kRegularised if it used a guessed damping
+  std::string answered_by;                 // methods and orders that solved the islands: "sparse-ldl leaf-to-root"
+  std::string fallback;                    // why an island was solved by another method than `method`
+  std::optional<double> time;              // time of a solve [us]
+  std::optional<double> time_derivatives;  // time of derivatives [us]
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
-  /// Returns the damping as text, "1e-6", or "none" for 0.
+  /// Returns the damping as text, such as "1e-6", or "none" for 0.
   std::string regularisation() const;
 };
 
 struct Chart {
   std::string scene, title;  // name, with the path if several scenes share it; "82 velocities, 48
                              // contact rows, 1 island"
-  std::string picture;       // file name, without ending
+  std::string picture;       // file name without extension
   std::vector<ChartRow> rows;
-  double allowed = 0;  // allowed error of a and f: max(1e-12, 100 eps condition); derivatives: ten times `allowed`
+  // Allowed error of a and f, max(1e-12, 100 eps condition); the allowed error of derivatives is ten times larger.
+  double allowed = 0;
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors
 };
 
-/// Measures all rows, with a progress line on standard error.
+/// Measures all rows. Shows progress on standard error.
 Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
 // ---- steps of make_chart ------------------------------------------------------------------------------------------
 
-/// A row of the chart, with the scene and data that compute it.
+/// A row of the chart, with the scene and the data with which it is computed.
 struct Candidate {
   ChartRow* row = nullptr;
-  Scene scene;  // the scene with the row's damping
+  Scene scene;  // the scene, but with the row's damping
   std::unique_ptr<SceneData> data;
 };
 
-/// Returns a row for every method, order, and damping: the scene's and the guessed dampings.
+/// Returns a row for every method, order and damping. The dampings are those guessed and the scene's.
 std::vector<ChartRow> list_rows(const Scene& scene);
 
-/// Sets the rows' times: medians over rounds. Each round measures every candidate once, so that changes of the
+/// Sets the times of the rows to medians over rounds. Each round measures every candidate once, so that changes of the
 /// machine's speed affect all candidates. Slow candidates are left out of later rounds.
 void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
-/// Measures derivatives after measure_solve. Calls `first` once per candidate while its derivatives are available.
+/// Measures derivatives; requires measure_solve. Calls `first` once per candidate while its derivatives are available.
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
-/// If standard error is a terminal, overwrites its current line; "" clears the line.
+/// Overwrites the current line of standard error if that is a terminal. An empty text clears the line.
 void progress(const std::string& text);
 
 // ---- output files -------------------------------------------------------------------------------------------------
 
-/// Writes chart.csv. Throws InputError if it cannot be written, as write_json.
+/// Writes chart.csv. Throws InputError if the file cannot be written.
 void write_csv(const std::vector<Chart>& charts, const std::string& path);
-/// Writes chart.json, for src/program/charts/chart.py. scenes: number of scenes, including scenes without a chart.
+/// Writes chart.json for src/program/charts/chart.py, as write_csv. scenes: number of scenes, even without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -1,4 +1,4 @@
-// Errors relative to the quadruple-precision solution, in the maximum norm, per quantity and robot.
+// Computes errors relative to the quadruple-precision solution, in the maximum norm, per quantity and robot.
 
 #include "manycontact/analysis/errors.hpp"
 
@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Returns a robot's rows of an island's [a; f]: its accelerations, or the forces of its contacts.
+// Returns the rows of an island's [a; f] that belong to a robot: its accelerations, or the forces of its contacts.
 std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bool forces) {
   std::vector<int> rows;
   if (!forces) {
@@ -28,7 +28,7 @@ std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bo
   return rows;
 }
 
-// Scales of derivatives that are all zero: a robot's accelerations without contacts, and the forces on it.
+// Scales of derivatives that are all zero: per robot, its accelerations without contacts and the forces on it.
 struct Scales {
   std::vector<double> a, f;  // one entry per robot
 };
@@ -39,7 +39,7 @@ Scales scales_of(const Scene& scene, const SceneData& data, const ChartTruth& tr
 }
 
 // Returns the largest error of an island's derivatives. If a block is exactly zero, its finite differences are noise
-// below 1e-20 of the robot's other derivatives; its errors are then relative to these other derivatives.
+// below 1e-20 of the robot's other derivatives and scales. The error of such a block is relative to these.
 double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const Scales& scales,
                     const Eigen::MatrixXd& answer) {
   double error = 0;
@@ -62,7 +62,7 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of an island's rows [a; f] and columns [q | v | u] in a panel: of this island, or of the whole scene.
+// Indices of an island's rows [a; f] and columns [q | v | u] in a panel, which is that of the island or of the scene.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

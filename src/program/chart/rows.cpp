@@ -39,7 +39,7 @@ void note_truth(const ChartTruth& truth, Chart& chart) {
                           " is not known: there is no solution, or another rank, next to the state.");
 }
 
-// Sets `front` of the rows that no other row dominates in both time and acceleration error.
+// Sets `front` in those rows that no other row dominates in both time and acceleration error.
 void mark_front(std::vector<ChartRow>& rows) {
   const auto key = [](const ChartRow& row) { return std::pair(*row.time, *row.error_acceleration); };
   std::vector<ChartRow*> results;

@@ -15,11 +15,14 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-constexpr double kTurn = 200;        // us per round and candidate, in which calls are repeated; at least one call
-constexpr double kNoWarmUp = 300e3;  // us: if the first call takes longer, its time counts, without warm-up
-constexpr double kLarge = 4e6;       // bytes: larger derivatives are released between rounds
+// Time per round and candidate in which calls are repeated; at least one call is made [us].
+constexpr double kTurn = 200;
+// If the first call takes longer, its time counts, and there is no warm-up [us].
+constexpr double kNoWarmUp = 300e3;
+// Larger derivatives are released between rounds [bytes].
+constexpr double kLarge = 4e6;
 
-// Returns the time of one round: a call to warm up, then the median of repeated calls.
+// Measures a call in one round: calls it once to warm up, and returns the median time of repeated calls.
 template <class Call>
 double take_turn(Call&& call) {
   const double first = time_of(call);
@@ -33,8 +36,8 @@ double take_turn(Call&& call) {
   return median(std::move(times));
 }
 
-// Runs rounds in which turn(i) measures each of `n` candidates once, in random order, within its share of `seconds`. A
-// candidate that throws (CHOLMOD out of memory) gets no time; other candidates continue.
+// Returns the median time of each of `n` candidates over several rounds. In a round turn(i) measures each candidate
+// once, in random order, within its share of `seconds`. A candidate that throws (CHOLMOD out of memory) gets no time.
 template <class Turn>
 std::vector<std::optional<double>> median_times(std::size_t n, double seconds, const std::string& what, Turn&& turn) {
   std::vector<std::vector<double>> times(n);
@@ -94,7 +97,7 @@ void note_status(const Candidate& c) {
     if (reports[i].status != Status::kFailed) row.fallback = why_changed(chosen_method(*c.data, i), reports[i]);
 }
 
-// Releases large derivatives: the derivatives of fifty candidates together would not fit into memory.
+// Releases large derivatives, because the derivatives of fifty candidates together would not fit into memory.
 void release_large(SceneData& data) {
   double bytes = 0;
   for (const IslandDerivatives& d : derivatives(data).islands) bytes += 8.0 * static_cast<double>(d.X.size());

@@ -16,7 +16,7 @@ namespace {
 constexpr int kWholeUpTo = 60;    // largest nv of an island with derivatives along all unit vectors
 constexpr int kDirections = 4;    // number of random directions in each of q, v and u for larger islands
 constexpr int kDenseSize = 150;   // most unknowns for which the dense solver replaces a missing sparse factor
-constexpr double kAtRest = 1e-4;  // accelerations below this share of those without contacts count as zero
+constexpr double kAtRest = 1e-4;  // smaller accelerations, relative to those without contacts, count as zero
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   if (whole) return Eigen::MatrixXd::Identity(n, n);
@@ -40,7 +40,7 @@ void choose_directions(const Places& p, std::mt19937& rng, ChartTruth::OfIsland&
   out.derivatives.setConstant(nv + static_cast<int>(p.f.size()), n, std::numeric_limits<Quad>::quiet_NaN());
 }
 
-// Returns the reference solution at the state moved by `step` along q (by = 0), v (by = 1) or u (by = 2).
+// Returns the reference solution at the state displaced by `step` in q (by = 0), v (by = 1) or u (by = 2).
 Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const VecX<Quad>& step) {
   const Scene& scene = file.scene;
   VecX<Quad> q = file.q.cast<Quad>(), v = file.v.cast<Quad>(), u = file.u.cast<Quad>();
@@ -56,7 +56,8 @@ Truth<Quad> truth_along(const SceneFile& file, SceneData& data, int by, const Ve
   return refine_truth<Quad>(scene, data, q, v, u, kDenseSize);
 }
 
-// Computes derivatives by central differences. Islands are independent: pass k is along direction k of all islands.
+// Computes derivatives by central differences. As islands are independent, step k displaces all islands, each along its
+// direction k.
 void differences(const SceneFile& file, SceneData& data, const std::vector<Places>& places, ChartTruth& truth) {
   const Quad h = Quad(1) / Quad(10000000000LL);
   int most = 0;

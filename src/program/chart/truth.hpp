@@ -11,10 +11,10 @@ namespace manycontact::cli {
 struct ChartTruth {
   VecX<Quad> a, f;            // accelerations and forces, ordered as in SceneData
   Eigen::VectorXd a_free;     // accelerations without contacts
-  std::vector<char> at_rest;  // one flag per robot: a nearly vanishes, and its errors are relative to a_free
+  std::vector<char> at_rest;  // one flag per robot: whether a nearly vanishes, so that errors are relative to a_free
 
-  // Derivatives of [a; f] per island along the columns of `along` (rows [q | v | u]): unit vectors, or four random
-  // vectors in each of q, v, u. first: first column of q, of v, of u, and the number of columns.
+  // Derivatives of [a; f] of an island along the columns of `along` (rows [q | v | u]), which are unit vectors or four
+  // random vectors in each of q, v, u. `first` contains the first columns of q, v and u, and the number of columns.
   struct OfIsland {
     Island island;
     Eigen::MatrixXd along;
@@ -23,18 +23,18 @@ struct ChartTruth {
     bool known = true, derivatives_known = true;
   };
   std::vector<OfIsland> islands;
-  int unknown = 0;  // islands without a reference solution
+  int unknown = 0;  // number of islands without a reference solution
   int unknown_derivatives = 0;
-  int sampled = 0;  // islands whose derivatives are sampled
+  int sampled = 0;  // number of islands whose derivatives are along random vectors
 };
 
 /// Computes the reference. `data` must be solved by sparse-ldl at the scene's state.
 ChartTruth find_truth(const SceneFile& file, SceneData& data);
 
-/// Return relative errors, worst over robots; NaN if the result contains NaN or there is no reference.
+/// Return the largest relative error of all robots, or NaN if the result contains NaN or there is no reference.
 double acceleration_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 double force_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
-/// Returns the relative error of derivatives, the worst over robots and the six blocks (a, f by q, v, u).
+/// Returns the largest relative error of all robots and of the six blocks of derivatives (a, f w.r.t. q, v, u).
 double derivative_error(const Scene& scene, const SceneData& data, const ChartTruth& truth);
 
 }  // namespace manycontact::cli

@@ -14,15 +14,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the absolute path with symbolic links resolved, even if there is no such file. Hard links of one file remain
-// different paths: an output file replaces only the link that it names.
+// Returns the absolute path with symbolic links resolved, even if there is no such file. Hard links to one file remain
+// different paths, because an output file replaces only the link that it names.
 fs::path place_of(const std::string& path) {
   std::error_code error;
   const fs::path absolute = fs::absolute(path, error), place = fs::weakly_canonical(absolute, error);
   return error ? absolute.lexically_normal() : place;
 }
 
-// Whether both names are one regular file. Devices and pipes do not count: they accept output of several writers.
+// Returns whether both names are one regular file. Devices and pipes accept output of several writers and never count.
 bool one_file(const std::string& a, const std::string& b) {
   return !is_written_straight(a) && b != "-" && place_of(a) == place_of(b);
 }
@@ -37,7 +37,8 @@ std::string scene_operand(const Arguments& arguments, const std::string& name) {
 }
 
 void check_writable(const std::string& path, const std::string& option) {
-  if (!is_written_straight(path)) OutputFile(path, option);  // opening a pipe may block, and closing it would end it
+  // Pipes are left out: opening one may block, and closing it would end the connection.
+  if (!is_written_straight(path)) OutputFile(path, option);
 }
 
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {

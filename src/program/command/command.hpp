@@ -15,15 +15,16 @@ enum Exit {
 
 struct Command {
   std::string name;
-  std::string operands;  // operands, as the usage shows them
-  std::string summary;   // one line
+  std::string operands;  // the operands as the usage shows them
+  std::string summary;   // a description in one line
   std::vector<Option> options;
-  std::string help;    // text that follows the options
-  std::string beside;  // the program in the same folder that executes the command if `run` is null
+  std::string help;  // text that follows the options
+  // Name of a program in the same folder, which executes the command if `run` is null.
+  std::string beside;
   int (*run)(const Arguments&) = nullptr;
 };
 
-/// Reads a command from commands.txt. Without `run`, a separately built program executes it.
+/// Reads the command `name` from commands.txt. If `run` is null, a separately built program executes the command.
 Command command(const std::string& name, int (*run)(const Arguments&) = nullptr);
 /// Returns commands.txt, which is embedded in the program.
 std::string_view commands_text();
@@ -38,12 +39,12 @@ int run_stability(const Arguments& arguments);
 int run_export(const Arguments& arguments);
 int run_optimize(const Arguments& arguments);
 
-/// Returns the only operand, SCENE unless it has another name. Throws UsageError.
+/// Returns the only operand, which messages call `name`. Throws UsageError if there is none or more than one.
 std::string scene_operand(const Arguments& arguments, const std::string& name = "SCENE");
 
-/// Checks, before hours of work, that an option's file can be written or is standard output (-). Throws InputError.
+/// Checks that an option's file can be written or is standard output (-), before a long computation. Throws InputError.
 void check_writable(const std::string& path, const std::string& option);
-/// Throws UsageError if an option's file is one of the files that the command reads.
+/// Throws UsageError if the file of an option is one of the files in `read`, which the command reads.
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read);
 /// Throws UsageError if an option in `written` names a file in `read`, or the output of another option in `written`.
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
@@ -51,20 +52,21 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
 /// Throws UsageError if one of the files `names` that an option writes into `folder` is also in `others`.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
-/// Creates a folder unless it exists. Throws InputError.
+/// Creates a folder unless it exists. Throws InputError if this fails.
 void make_folder(const std::string& folder);
-/// Whether one of the options `written` names standard output, so that nothing else may be printed there.
+/// Returns whether one of the options `written` names standard output, so that nothing else may be printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
 /// Reads --method, --order and --precision. Throws UsageError.
 Options solver_options(const Arguments& arguments);
-/// Returns the text with {methods}, {orders} and {precisions} replaced by their names.
+/// Returns the text with {methods}, {orders} and {precisions} replaced by the lists of their names.
 std::string with_names(std::string text);
 
-/// Runs the command named by the first word. Prints an exception as one line on standard error. Returns an exit status.
+/// Runs the command that the first word names. Prints an exception as one line on standard error. Returns the exit
+/// status.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words);
 
-/// Returns "usage: manycontact solve SCENE [--method M] ...", one line.
+/// Returns the usage in one line, such as "usage: manycontact solve SCENE [--method M] ...".
 std::string usage(const Command& command);
 std::string help(const Command& command);
 

@@ -6,7 +6,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Parses a line such as "--out FILE (required): where it goes".
+// Parses a line of commands.txt such as "--out FILE (required): where it goes".
 Option option_of(const std::string& line) {
   const std::string required = " (required)";
   const std::size_t colon = line.find(": ");

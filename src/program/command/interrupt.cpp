@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Data that a signal handler may access: static memory and atomic flags.
+// A signal handler may access only these data, which are in static memory, with atomic flags.
 constexpr int kMostFiles = 64;
 std::array<std::array<char, PATH_MAX>, kMostFiles> names;
 std::array<std::atomic<bool>, kMostFiles> removed_by_signals{};

@@ -1,14 +1,14 @@
 #pragma once
-// Ctrl-C and `kill`: commands with an InterruptFlag keep their results so far, and no temporary file remains.
+// Handles Ctrl-C and `kill`. Commands with an InterruptFlag keep their results so far, and no temporary file remains.
 
 #include <string>
 
 namespace manycontact::cli {
 
-/// After this call SIGINT, SIGTERM and SIGHUP, unless ignored, remove the temporary files and end the program.
+/// After this call SIGINT, SIGTERM and SIGHUP, unless they are ignored, remove temporary files and end the program.
 void hear_signals();
 
-/// During its lifetime, the first SIGINT, SIGTERM or SIGHUP sets a flag, and the second signal ends the program.
+/// Makes the first SIGINT, SIGTERM or SIGHUP during its lifetime set a flag. A second signal ends the program.
 class InterruptFlag {
  public:
   InterruptFlag();
@@ -18,7 +18,7 @@ class InterruptFlag {
   bool is_set() const;
 };
 
-/// During its lifetime, a signal that ends the program removes the file `path`.
+/// Makes a signal that ends the program during its lifetime remove the file `path`.
 class RemovedBySignals {
  public:
   explicit RemovedBySignals(const std::string& path);

@@ -73,7 +73,8 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Opens /dev/null on closed standard descriptors: no file opened later becomes standard error. Writing still fails.
+// Opens /dev/null for standard descriptors that are closed, so that no file opened later becomes standard error.
+// Writing to them still fails.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);
@@ -86,7 +87,8 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the file size limit then fails with an error
+  // Makes writing beyond the file size limit fail with an error instead of ending the program.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;

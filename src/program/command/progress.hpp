@@ -7,13 +7,13 @@ namespace manycontact::cli {
 
 class Progress {
  public:
-  /// Shows progress on a line of standard error if standard error is a terminal, or if `always`.
+  /// Shows progress in one line of standard error, if that is a terminal or if `always`.
   Progress(std::string label, double total, bool always = false);
   ~Progress() { clear(); }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows `done` of `total`; draws at most four times a second, and not in the first quarter of a second.
+  /// Shows `done` of `total`, at most four times a second, and not in the first quarter of a second.
   void update(double done);
   void update(double done, const std::string& label);
   void clear();

@@ -6,13 +6,15 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kFlop = 9e-5;        // us per multiply-add of Eigen's products and LLT
-constexpr double kSlowFlop = 2.2e-4;  // us per multiply-add of a rank-revealing decomposition, column by column
-constexpr double kCall = 5;           // us per island
+// Time per multiply-add of Eigen's products and LLT [us].
+constexpr double kFlop = 9e-5;
+// Time per multiply-add of a rank-revealing decomposition, which works column by column [us].
+constexpr double kSlowFlop = 2.2e-4;
+constexpr double kCall = 5;  // time per island [us]
 
 double cube(double x) { return x * x * x; }
 
-// Predicts the time of a complete orthogonal decomposition of J^T and of products with the null space [us].
+// Returns the predicted time [us] of a complete orthogonal decomposition of J^T and of products with its null space.
 double dense(const Island& island) {
   const double n = island.nv, m = island.nc;
   return kCall + kSlowFlop * (4 * n * n * m + 2 * cube(n));

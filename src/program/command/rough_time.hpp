@@ -1,6 +1,6 @@
 #pragma once
-// Measured times of calls, and predicted times of dense methods [us], which are right to a factor of about three on
-// current machines. They serve only to skip calls that would take too long.
+// Measures times of calls and predicts times of dense methods [us], to a factor of about three on current machines. The
+// predictions serve only to skip calls that would take too long.
 
 #include <chrono>
 
@@ -17,10 +17,10 @@ double time_of(Call&& call) {
 }
 double median(std::vector<double> times);
 
-/// Predicts the time of a solve of the scene's islands by `dense`, whatever the method of `data`.
+/// Returns the predicted time [us] of a solve of the scene's islands by the method `dense`, whatever data's method is.
 double rough_time_of_dense(const Scene& scene, const SceneData& data);
 
-/// Predict the time of a solve by the method of `data`, and of derivatives after it; 0 for sparse methods.
+/// Return the predicted times [us] of a solve with the method of `data`, and of its derivatives. 0 for sparse methods.
 double rough_time_of_solve(const Scene& scene, const SceneData& data);
 double rough_time_of_derivatives(const Scene& scene, const SceneData& data);
 

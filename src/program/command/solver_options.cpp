@@ -12,7 +12,7 @@ std::string names_of(const Values& values) {
   return join(names, 20);
 }
 
-// Returns the value that an option names; none if the option is not given.
+// Returns the value that an option names, or nullopt if the option was not given.
 template <class Value, std::size_t n>
 std::optional<Value> chosen(const Arguments& arguments, const std::string& what, const Value (&values)[n]) {
   const auto name = arguments.value("--" + what);

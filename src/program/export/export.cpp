@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct ExportPlan {
-  std::string folder, scene;  // scene: name of the scene, for headers
+  std::string folder, scene;  // scene: its name, for the headers
   bool truth = false, derivatives = false;
 
   std::string path(const std::string& name) const { return (fs::path(folder) / name).string(); }
@@ -54,7 +54,7 @@ void write_names(const Scene& scene, const SceneData& data, const Island& island
   file.close();
 }
 
-// Returns the comment lines at the top of a file. page: the island's entry in export.json.
+// Returns the comment lines at the top of a file. page: the entry of the island in export.json.
 std::vector<std::string> header(const ExportPlan& plan, const std::string& what, const Json& page) {
   return {what + " of " + printable(plan.scene) + ", " + page["name"].get<std::string>(),
           "nv " + page["nv"].dump() + ", nc " + page["nc"].dump() + ", rank of J " + page["rank"].dump()};
@@ -74,7 +74,7 @@ void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const Ex
     page["derivative_digits"] = write("_dx.mtx", "dx = [da; -df]", solve_exactly(s, s.db));
 }
 
-// Writes an island's files. Returns its members in export.json.
+// Writes the files of island i. Returns its entry in export.json.
 Json write_island(const ExportPlan& plan, const SceneFile& file, const SceneData& data, const Truth<Quad>& truth,
                   std::size_t i) {
   const ExportedSystem s = system_of(file.scene, data, i, plan.derivatives);
@@ -105,7 +105,7 @@ std::string command_of(const ExportPlan& plan) {
          (plan.derivatives ? " --derivatives" : "");
 }
 
-// Writes export.json, the list of the systems, and README.md, which explains the files.
+// Writes export.json, which lists the systems, and README.md, which explains the files.
 void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islands) {
   write_json_file({{"scene", file.scene.name},
                    {"file", file.path},

@@ -1,4 +1,4 @@
-// Matrix Market files: https://math.nist.gov/MatrixMarket/formats.html
+// Format: https://math.nist.gov/MatrixMarket/formats.html
 
 #include <cstdio>
 
@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kQuadDigits = 33;  // digits after the first digit; together they restore a quadruple-precision number
+constexpr int kQuadDigits = 33;  // digits after the first that restore a quadruple-precision number
 
 std::string text_of(double x) {
   char text[32];

@@ -22,7 +22,7 @@ void add_inertia(const Scene& scene, const SceneData& data, int robot, int offse
   add_block(M, offset, offset, out);
 }
 
-// Adds a contact's rows of J, and their transpose, to K. J has columns for A's coordinates, then for B's.
+// Adds the rows of J of a contact, and their transpose, to K. The contact's J has columns for A, then for B.
 void add_rows(const Scene& scene, const SceneData& data, const Island& island, int contact, int row, Triplets& out) {
   const Contact& c = scene.contacts[contact];
   const MatX<double>& J = contact_data(scene, data, contact).J;
@@ -64,7 +64,7 @@ Eigen::VectorXd right_hand_side(const Scene& scene, const SceneData& data, const
   return b;
 }
 
-// Returns K dx, with zeros for entries that are only rounding errors of the sum's terms |K| |dx|.
+// Returns K dx. Entries that are only rounding errors of the terms |K| |dx| of the sum become zero.
 Eigen::MatrixXd product(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& dx) {
   using Long = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   const Eigen::SparseMatrix<long double> K_long = K.cast<long double>();
@@ -79,7 +79,8 @@ Eigen::MatrixXd derivative_right_hand_sides(const Eigen::SparseMatrix<double>& K
   d.check();
   Eigen::MatrixXd dx = d.X.leftCols(d.cols);
   if (!dx.allFinite()) return {};
-  dx.bottomRows(d.nc) *= -1;  // x = [a; -f]
+  // The unknowns are x = [a; -f].
+  dx.bottomRows(d.nc) *= -1;
   return product(K, dx);
 }
 

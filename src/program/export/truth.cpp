@@ -8,9 +8,11 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kMostSteps = 40;        // refinement steps: each step gains digits while eps |K| |K^-1| is below 1
-constexpr double kConverged = 1e-20;  // largest relative last correction of an accepted solution
-constexpr double kMostDigits = 32;    // quadruple precision has 34 digits; a residual of many terms loses about two
+// Most refinement steps; each step gains digits if eps |K| |K^-1| is below 1.
+constexpr int kMostSteps = 40;
+constexpr double kConverged = 1e-20;  // largest relative last correction of a solution that is accepted
+// Quadruple precision has 34 digits, of which the residual of many terms loses about two.
+constexpr double kMostDigits = 32;
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
   VecX<Quad> r = b.cast<Quad>();
@@ -27,8 +29,8 @@ double largest(const auto& x) {
 
 double ratio(double part, double whole) { return whole > 0 ? part / whole : part > 0 ? INFINITY : 0; }
 
-// Return the size of a correction dx of x = [a; -f]: relative to x, which shows convergence; and the larger of dx
-// relative to a and relative to f, which may be far smaller than x.
+// Return the size of a correction dx of x = [a; -f]. relative_size is relative to x and shows convergence.
+// relative_size_of_parts is the larger of dx relative to a and to f, which may be far smaller than x.
 double relative_size(const Eigen::VectorXd& dx, const VecX<Quad>& x) { return ratio(largest(dx), largest(x)); }
 double relative_size_of_parts(const Eigen::VectorXd& dx, const VecX<Quad>& x, int nv) {
   return std::max(ratio(largest(dx.head(nv)), largest(x.head(nv))),
@@ -39,7 +41,8 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the smallest.
+// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the size of
+// the smallest correction.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());
@@ -89,7 +92,8 @@ ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
 }  // namespace
 
 ExactSolution solve_exactly(const ExportedSystem& s, const Eigen::MatrixXd& b) {
-  if (s.size() == 0) return {MatX<Quad>(0, b.cols()), kMostDigits};  // Eigen's LU divides by the size
+  // Eigen's LU would divide by the size
+  if (s.size() == 0) return {MatX<Quad>(0, b.cols()), kMostDigits};
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
   lu.compute(s.K);
   ExactSolution out{MatX<Quad>(s.size(), b.cols()), kMostDigits};

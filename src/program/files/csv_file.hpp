@@ -5,15 +5,15 @@
 
 namespace manycontact::cli {
 
-/// The CSV file of an option, written row by row; "-" is standard output. Throws InputError if it cannot be written.
+/// The CSV file of an option, written row by row. "-" is standard output. Throws InputError if it cannot be written.
 class CsvFile {
  public:
   explicit CsvFile(const std::string& path, const std::string& option = "--out");
-  CsvFile& operator<<(double x);              // the shortest text that restores the same bits
-  CsvFile& operator<<(const std::string& x);  // quoted if RFC 4180 requires it
+  CsvFile& operator<<(double x);              // writes the shortest text that restores x
+  CsvFile& operator<<(const std::string& x);  // quotes x if RFC 4180 requires it
   void end_row();
   void header(std::initializer_list<const char*> names);
-  void close();  // gives the complete file its final name
+  void close();  // renames the complete file to its final name
 
  private:
   OutputFile file_;

@@ -31,7 +31,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   (void)column("t");
 }
 
-// Reads a line of limited length: a device or a binary file may have no line breaks.
+// Reads a line. The length is limited, because a device or a binary file may have no line breaks.
 bool CsvReader::read_line(std::string& line) {
   constexpr std::size_t kMost = std::size_t(1) << 26;
   line.clear();
@@ -81,7 +81,7 @@ void CsvReader::fail(const std::string& message) const { throw InputError(path_,
 std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
   if (line.ends_with('\r')) line.remove_suffix(1);
   std::vector<std::string> cells;
-  for (std::size_t at = 0;; ++at) {  // a cell begins at `at`
+  for (std::size_t at = 0;; ++at) {  // a cell begins at position `at`
     std::string cell;
     if (line.substr(at, 1) == "\"") {
       std::size_t i = at + 1;

@@ -7,25 +7,27 @@
 
 namespace manycontact::cli {
 
-/// Reads row by row a CSV file with a header and a column t of increasing times. Cells may be quoted as in RFC 4180,
-/// but without line breaks. Blanks around numbers, empty lines and a byte order mark are ignored.
+/// Reads a CSV file row by row. The file has a header and a column t of increasing times. Cells may be quoted as in RFC
+/// 4180, but without line breaks. Blanks around numbers, empty lines and a byte order mark are ignored.
 class CsvReader {
  public:
   /// Reads the header. Throws InputError if the file cannot be read or is not UTF-8, a name occurs twice, a quote is
   /// not closed, or there is no column t.
   explicit CsvReader(const std::string& path);
 
-  /// Reads the next row; false at the end. Throws InputError for a wrong number of cells, or if t does not increase.
+  /// Reads the next row. Returns false at the end. Throws InputError for a wrong number of cells, or if t does not
+  /// increase.
   bool next();
-  double t() const { return t_; }  // time of the row; -infinity before the first [s]
-  /// Returns a cell of the row. Throws InputError if it is not a finite number.
+  // Time of the current row; -infinity before the first row [s].
+  double t() const { return t_; }
+  /// Returns a cell of the current row. Throws InputError if it is not a finite number.
   double number(std::size_t column) const;
 
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return column_.contains(name); }
-  /// Returns the index of the column `name`; throws InputError if there is no such column.
+  /// Returns the index of the column `name`. Throws InputError if there is no such column.
   std::size_t column(const std::string& name) const;
-  /// Throws InputError for the line that was read last.
+  /// Throws InputError with the number of the last line that was read.
   [[noreturn]] void fail(const std::string& message) const;
 
  private:

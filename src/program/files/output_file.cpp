@@ -28,9 +28,10 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  stream_.exceptions(std::ios::badbit);  // exceptions of write() then pass through the stream's operators
+  // Lets exceptions of write() pass through the stream's operators.
+  stream_.exceptions(std::ios::badbit);
   if (is_standard_output(path_)) {
-    std::cout.flush();  // earlier output of std::cout must precede that of file_
+    std::cout.flush();  // earlier output of std::cout must precede that of this file
     file_ = dup(STDOUT_FILENO);
   } else if (is_written_straight(path_)) {
     file_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -52,7 +53,8 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the target, behind symbolic links, with the permissions of an older target.
+// Opens a temporary file in the folder of the target (symbolic links resolved). It gets the permissions of an existing
+// target.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);
@@ -60,7 +62,8 @@ void OutputFile::begin() {
   struct stat old {};
   const bool replaces = stat(target_.c_str(), &old) == 0;
   if (!replaces && errno != ENOENT) return;
-  if (replaces && access(target_.c_str(), W_OK) != 0) return;  // rename would replace a read-only file, too
+  // This must fail, because rename would replace even a read-only file.
+  if (replaces && access(target_.c_str(), W_OK) != 0) return;
   constexpr std::string_view kEnd = ".part";
   std::string name = (fs::path(target_).parent_path() / "manycontact-XXXXXX").string().append(kEnd);
   file_ = mkostemps(name.data(), static_cast<int>(kEnd.size()), O_CLOEXEC);
@@ -69,7 +72,8 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // fails on file systems without modes
+  // This fails on file systems without modes.
+  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);
 }
 
 void OutputFile::refuse(int error) const {

@@ -10,37 +10,39 @@
 
 namespace manycontact::cli {
 
-/// Whether a path is "-", /dev/stdout or another name of descriptor 1.
+/// Returns whether a path is "-", /dev/stdout or another name of descriptor 1.
 bool is_standard_output(const std::string& path);
-/// Whether a path is written without a temporary file: standard output, a device, a pipe, or a folder (fails to open).
+/// Returns whether a path is written without a temporary file. That holds for standard output, devices, pipes, and
+/// folders (which cannot be opened for writing).
 bool is_written_straight(const std::string& path);
 
 /// The output file of an option. It is written under a temporary name in the same folder, and renamed when it is
-/// complete. An older file with the final name remains until the renaming, also if the run fails or is interrupted. All
-/// methods throw InputError if the file cannot be written.
+/// complete. An older file of the final name remains until then, also if the run fails or is interrupted. All methods
+/// throw InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
-  /// option: name of the option for error messages; "": there is none.
+  /// option: the name of the option for error messages, or "" if there is none.
   explicit OutputFile(std::string path, std::string option = "");
-  /// Opens, in another process, the temporary file that the first process has created and will publish.
+  /// Opens the temporary file that another process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
   /// Removes the temporary file unless it was published.
   ~OutputFile() override;
   OutputFile(const OutputFile&) = delete;
 
   const std::string& path() const { return path_; }
-  /// The temporary name, used until the file is published. Empty if the file is written directly.
+  /// Returns the temporary name, which is used until the file is published. Empty if the file is written directly.
   const std::string& temporary() const { return temporary_; }
 
-  /// Append bytes (stream, write), or write them at a given position (write_at). Operators of the stream throw, too.
+  /// stream and write append bytes; write_at writes them at a position. Operators of the stream throw on errors, too.
   std::ostream& stream() { return stream_; }
   void write(const char* bytes, std::size_t size);
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// Flushes all bytes that this process has written to the file system.
+  /// Writes all buffered bytes of this process to the file system, and closes the file.
   void finish();
-  /// Renames the file to its final name once all processes have finished. Only the process that created it calls this.
+  /// Renames the file to its final name. Only the process that created it calls this, after all processes have
+  /// finished.
   void publish();
   void close() { finish(), publish(); }
 

@@ -16,7 +16,8 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kCannotWrite = 3;  // exit status of a script that cannot write a file and prints its name and the reason
+// Exit status of a script that cannot write a file; the script then prints the file's name and the reason.
+constexpr int kCannotWrite = 3;
 
 }  // namespace
 

@@ -1,12 +1,12 @@
 #pragma once
-// Runs Python scripts, which draw the charts and write the pages about measurements.
+// Runs the Python scripts that draw the charts and write the pages about measurements.
 
 #include <string>
 #include <vector>
 
 namespace manycontact::cli {
 
-/// The first python3 of PATH that has matplotlib, or else the first python3.
+/// The first python3 in PATH that has matplotlib, or, if none has it, the first python3.
 struct Python {
   std::string path;  // empty if there is no python3
   bool draws = false;
@@ -15,11 +15,11 @@ Python find_python();
 inline constexpr const char* kNoCharts =
     "python3 with matplotlib is not installed (Debian: python3-matplotlib), no charts are drawn";
 
-/// Returns the path of a script of src/program/charts, which is installed in share/manycontact/charts.
+/// Returns the path of a script of src/program/charts, which is installed as share/manycontact/charts.
 std::string script_path(const std::string& name);
 
-/// Runs a script with these arguments and `input` on its standard input; returns what it prints. Throws InputError if
-/// it cannot write a file, std::runtime_error if Python cannot be started or fails.
+/// Runs a script with these arguments and `input` on its standard input, and returns its output. Throws InputError if
+/// the script cannot write a file, and std::runtime_error if Python cannot be started or fails.
 std::string run_python(const Python& python, const std::string& script, const std::vector<std::string>& arguments,
                        const std::string& input = "");
 

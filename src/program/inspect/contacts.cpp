@@ -15,7 +15,7 @@ constexpr std::size_t kMostElements = 24;
 
 std::string three_numbers(const Vec3<double>& x) { return decimal(x[0]) + " " + decimal(x[1]) + " " + decimal(x[2]); }
 
-// Returns the normal of a contact with friction as text; without a given normal, the default of model/scene.hpp.
+// Returns the normal of a contact with friction as text. If no normal is given, this is the default of model/scene.hpp.
 std::string normal_of(const Contact& contact) {
   if (contact.normal) return three_numbers(*contact.normal);
   if (!contact.mu) return "";
@@ -27,7 +27,7 @@ struct Off {
   double position = 0, angle = 0, linear = 0, angular = 0;
 };
 
-// Returns "0.1 m, 0.02 rad, 0.5 m/s", or "0" if the contacts are in place and at rest.
+// Returns errors as text, such as "0.1 m, 0.02 rad, 0.5 m/s", or "0" if the contacts are in place and at rest.
 std::string off_by(const Off& off) {
   std::string text;
   const auto add = [&text](double size, double least, const char* unit) {

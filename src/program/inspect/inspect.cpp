@@ -35,7 +35,7 @@ namespace {
 
 constexpr std::size_t kMostKinds = 8, kMostPairs = 24;
 
-/// The bytes in use on the heap, or 0 if the system does not report them.
+/// Returns the number of bytes in use on the heap, or 0 if the system does not report it.
 double heap() {
 #ifdef MANYCONTACT_HEAP
   const auto m = mallinfo2();
@@ -67,7 +67,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   const PredictedCosts costs = predict_costs(shape);
   const double least = std::min({*std::ranges::min_element(costs.ldl), *std::ranges::min_element(costs.cholmod)});
   const auto relative = [least](double cost) { return number(cost / least); };
-  if (is_deep(shape)) {  // K's pattern is not computed for deep islands
+  if (is_deep(shape)) {  // the pattern of K is not computed for deep islands
     wrap(out,
          "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
              number(costs.bodies / (costs.terms + least)),
@@ -130,7 +130,8 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
 
 void print_memory(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  double derivatives = 0;  // [da; df] of each island, columns of q, v, u
+  // Size of [da; df] of all islands, with columns of q, v, u.
+  double derivatives = 0;
   for (const IslandKind& kind : x.kinds) {
     const Island& island = x.island(kind);
     double columns = 2.0 * island.nv;

@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact inspect`: the structure of a scene, and possible simplifications.
+// The command `manycontact inspect` prints the structure of a scene, and possible simplifications.
 
 #include "../files/python.hpp"
 #include "../text/describe.hpp"
@@ -12,9 +12,9 @@ struct Inspection {
   const SceneFile& file;
   SceneData data;  // solved with method `auto` at the scene's state
   std::vector<IslandKind> kinds;
-  double bytes = 0;  // heap memory of `data` after the solve; 0: unknown
+  double bytes = 0;  // heap memory of `data` after the solve; 0 if unknown
 
-  /// Index of the first island of a kind. This island's name, shape and ranks represent all islands of the kind.
+  /// Returns the index of the first island of a kind, whose name, shape and ranks represent all islands of the kind.
   std::size_t first(const IslandKind& kind) const { return static_cast<std::size_t>(kind.islands.front()); }
   const Island& island(const IslandKind& kind) const { return solved_island(data, first(kind)); }
   /// Returns the pattern of the island's K, analysed in the elimination order that the solve chose.
@@ -22,12 +22,12 @@ struct Inspection {
   std::string name(const IslandKind& kind) const;
 };
 
-/// Prints limits and efforts as the robots' files contain them, once per model.
+/// Prints limits and efforts of joints as the robots' files contain them, once per model.
 void print_joints(std::ostream& out, const SceneFile& file);
-/// Prints each contact's constraint, gains, mu and errors at the scene's state; copies of a contact share a line.
+/// Prints constraint, gains, mu and errors of each contact at the scene's state. Copies of a contact share a line.
 void print_contacts(std::ostream& out, const SceneFile& file);
 
-/// Writes the patterns of K and L as an SVG file; "-" is standard output. Throws as OutputFile and run_python do.
+/// Writes the patterns of K and L as an SVG file. "-" is standard output. Throws as OutputFile and run_python do.
 void write_picture(const Inspection& inspection, const Python& python, const std::string& path);
 
 }  // namespace manycontact::cli

@@ -1,4 +1,4 @@
-// `inspect --picture`: the numbers from which charts/pattern.py draws the patterns of K and L.
+// Writes the numbers from which charts/pattern.py draws the patterns of K and L for `inspect --picture`.
 
 #include <map>
 
@@ -13,7 +13,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Returns the entries by columns, in the order of elimination: the upper triangle of K, and L without its diagonal.
+// Returns the entries of K's upper triangle and of L without its diagonal, by columns, in the order of elimination.
 Json pattern_of(const KktPattern& p) {
   return {{"nv", p.nv},
           {"perm", p.perm},
@@ -21,14 +21,15 @@ Json pattern_of(const KktPattern& p) {
           {"L", {{"begin", p.ldl.Lp}, {"rows", p.ldl.Li}}}};
 }
 
-// Returns the scene's indices of the rows of an island's K: the robots' velocities, then the active contacts' rows.
+// Returns the indices in the scene of the rows of an island's K: velocities of the robots, then rows of active
+// contacts.
 std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const Island& island) {
   Places places(scene, data.f_offset, island);
   for (const int f : places.f) places.v.push_back(scene.nv + f);
   return places.v;
 }
 
-// Adds the islands, and each pattern once, although islands share patterns.
+// Adds all islands, and once each pattern that islands share.
 void add_islands(const Inspection& x, Json& to) {
   const SceneData& solved = data_solved(x.data);
   std::map<const KktPattern*, std::size_t> numbers;
@@ -54,7 +55,7 @@ Json robots(const Inspection& x) {
   return out;
 }
 
-// Returns name, first row and size of the active contacts of each element.
+// Returns name, first row and number of rows of the active contacts of each <contact> element.
 Json contacts(const Inspection& x) {
   Json out = Json::array();
   for (const ContactGroup& group : x.file.contact_groups) {

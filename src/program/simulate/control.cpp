@@ -24,7 +24,8 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
   CsvReader csv(path);
   std::unordered_map<std::string, int> index;
   for (std::size_t i = 0; i < names.size(); ++i) index.emplace(names[i], static_cast<int>(i));
-  std::vector<std::size_t> cell;  // index in the file's rows of each column in columns_
+  // Index in the rows of the file of each column in columns_.
+  std::vector<std::size_t> cell;
   for (std::size_t k = 0; k < csv.names().size(); ++k) {
     const std::string& title = csv.names()[k];
     if (!title.starts_with(prefix)) continue;
@@ -43,7 +44,7 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
 }
 
 void TimeTable::at(double t, bool between, Eigen::VectorXd& x) const {
-  // t is a multiple of the step size, and may differ from the time of a row by a rounding error.
+  // t is a multiple of the step size, and may differ from the time of a row by a rounding error
   const double late = t + 1e-9 * std::abs(t);
   if (!between && late < t_.front()) return;
   const std::size_t after = static_cast<std::size_t>(std::upper_bound(t_.begin(), t_.end(), late) - t_.begin());

@@ -1,5 +1,5 @@
 #pragma once
-// Joint torques during a simulation: the scene's torques or a file's over time, plus a PD law towards a reference.
+// Joint torques during a simulation: those of the scene or of a file over time, plus a PD law towards a reference.
 
 #include <optional>
 
@@ -8,19 +8,20 @@
 
 namespace manycontact::cli {
 
-/// Numbers over time from a CSV file: a column t, ascending, and columns called `prefix` + a coordinate's name.
+/// Numbers over time from a CSV file with a column t in ascending order and columns called `prefix` + coordinate name.
 class TimeTable {
  public:
-  /// Reads the columns `prefix` + name; ignores other prefixes. Throws InputError, also if a name is not in `names`.
+  /// Reads the columns `prefix` + name, and ignores columns with other prefixes. Throws InputError, also if a name is
+  /// not in `names`.
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Sets the coordinates that have a column to the values of the last row up to t; does nothing before the first row.
-  /// With `between`, values are interpolated between rows, and constant before the first row.
+  /// Sets the coordinates that have a column to the values of the last row up to t, or does nothing before the first
+  /// row. With `between`, values are interpolated between rows, and constant before the first row.
   void at(double t, bool between, Eigen::VectorXd& x) const;
-  /// Computes the slope of each column's interpolation at t: 0 before the first row, and from the last row on.
+  /// Computes the slope of each column's interpolation at t. It is 0 before the first row, and from the last row on.
   void slopes_at(double t, Eigen::VectorXd& slopes) const;
-  /// The coordinates that have a column, in the order of the columns.
+  /// Returns the coordinates that have a column, in the order of the columns.
   const std::vector<int>& columns() const { return columns_; }
 
  private:
@@ -28,23 +29,24 @@ class TimeTable {
   std::vector<double> t_, values_;
 };
 
-/// Torques u(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), which `step` adds (simulation/step.hpp).
+/// Torques u(t), and the PD law kp (q_ref(t) - q) + kd (v_ref(t) - v), whose torques `step` adds (simulation/step.hpp).
 class Control {
  public:
   explicit Control(const SceneFile& file)
       : file_(file), u_(file.u), q_(file.q), v_(Eigen::VectorXd::Zero(file.v.size())) {}
-  /// Reads columns "u:r0/knee", constant until the next row. The scene's torques apply before the first row, and to
-  /// joints without a column.
+  /// Reads torques over time from columns "u:r0/knee", constant until the next row. The scene's torques apply before
+  /// the first row, and to joints without a column.
   void read_torques(const std::string& path);
-  /// Sets a PD law towards columns "q:r0/knee" and "v:r0/knee", interpolated between rows. Without a v: column, the
-  /// velocity is the slope of q:; without q: and v:, the reference is the scene's q at rest. `gains`: "kp kd; r0/knee
-  /// kp kd; ...", the first pair for other joints. Throws UsageError; InputError for actuated multi-coordinate joints.
+  /// Sets a PD law towards the columns "q:r0/knee" and "v:r0/knee" of the file `reference`, interpolated between rows.
+  /// Without a v: column, the velocity is the slope of q:. Without both columns, the reference is the scene's q at
+  /// rest. gains: "kp kd; r0/knee kp kd; ...", where the first pair is for all other joints. Throws UsageError, and
+  /// InputError for actuated multi-coordinate joints.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
   /// Sets pd.q_ref and pd.v_ref to the reference at time t.
   void set_pd(double t, PdLaws& pd);
-  /// Returns torques_at plus the torque of the PD law at q, v.
+  /// Returns the torques of torques_at plus those of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 
  private:

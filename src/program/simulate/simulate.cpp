@@ -24,9 +24,9 @@ namespace {
 
 constexpr double kMostSteps = 1e9;
 const std::string kInterrupted = "interrupted";
-constexpr int kConditionEvery = 10;  // number of steps between estimates of the condition number
+constexpr int kConditionEvery = 10;  // steps between estimates of the condition number
 
-// The request of the command line, and the results of the run.
+// The options of the command line, and the results of the run.
 struct Run {
   Integrator integrator = Integrator::kSemiImplicitEuler;
   double h = 0;
@@ -35,11 +35,12 @@ struct Run {
 
   StepStatus stopped = StepStatus::kOk;
   bool interrupted = false;
-  Invariants start, end, largest;  // `largest` has the largest constraint errors of the states written
+  Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  SpringStep shortest;  // the spring or joint with the smallest step limit at the start
-  Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
-                        // ended the run
+  // The spring or joint with the shortest largest step at the start.
+  SpringStep shortest;
+  Findings at_start;  // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
+                      // ended the run
   std::optional<Recording> view;
 };
 
@@ -68,14 +69,14 @@ Run run_of(const Arguments& arguments) {
   return run;
 }
 
-// Inputs and observers of the simulation.
+// The inputs and observers of a simulation.
 struct Around {
   Control control;
   Watch watch;
   std::optional<Switches> switches;
   std::unique_ptr<CsvFile> forces;
   std::optional<TimeTable> wrenches_in_time;
-  Eigen::VectorXd wrenches;  // all external wrenches, one after the other
+  Eigen::VectorXd wrenches;  // all external wrenches in one vector
 
   /// Sets the external wrenches of the next step to the file's wrenches at t, if --wrenches is given.
   void push(double t, SimulationData& sim) {
@@ -84,7 +85,7 @@ struct Around {
     for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)
       sim.dynamics.wrenches[k] = wrenches.segment<6>(static_cast<Eigen::Index>(6 * k));
   }
-  /// Sets the wrenches, and the PD law's reference to that at the end of the step from t (RK4: in its middle).
+  /// Sets the wrenches at t, and the reference of the PD law: that at the end of the step, or for RK4 in its middle.
   void act(double t, SimulationData& sim) {
     push(t, sim);
     control.set_pd(sim.integrator == Integrator::kRk4 ? t + sim.h / 2 : t + sim.h, sim.pd);
@@ -100,7 +101,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   return u;
 }
 
-// Writes the forces at the last state: makes one more step for them, and restores the state.
+// Writes the forces at the last state. For these it makes one more step, and then restores the state.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
   const Eigen::VectorXd q = sim.q, v = sim.v;
   const long steps = sim.steps;
@@ -112,7 +113,7 @@ void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) 
   sim.q = q, sim.v = v, sim.steps = steps, sim.worst = worst;
 }
 
-// Makes steps and writes rows until the end, or until a step is not kOk.
+// Makes steps and writes rows until the end, or until the status of a step is not kOk.
 void simulate(Scene& scene, Around& around, bool progress_always, SimulationData& sim, CsvFile& csv, Run& run) {
   InvariantsData room(scene);
   const auto record = [&] {
@@ -192,7 +193,7 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
        2);
 }
 
-// Returns the name of the spring or joint in `shortest`: "spring rope", "joint arm/wrist, by its spring and PD law,".
+// Returns a name of the spring or joint in `shortest`: "spring rope", "joint arm/wrist, by its spring and PD law,".
 std::string name_of(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
   if (shortest.spring >= 0) return "spring " + scene.springs[shortest.spring].name;
   const int i = shortest.coordinate;
@@ -214,7 +215,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   return "joint " + velocity_names(scene)[i] + ", by its " + list + ",";
 }
 
-// Returns advice on the step if h is too long for the spring or joint `shortest`.
+// Returns advice if the step h is too long for the spring or joint in `shortest`, otherwise "".
 std::string spring_advice(const Scene& scene, const SimulationData& sim, const SpringStep& shortest) {
   if (!shortest.any() || shortest.largest >= sim.h) return "";
   const std::string who = name_of(scene, sim, shortest);
@@ -226,7 +227,7 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
          " s, for the initial inertia";
 }
 
-// Describes the closed contact with the largest placement error: "g closes 0.4 m away from its place".
+// Describes the closed contact with the largest placement error, such as "g closes 0.4 m away from its place".
 std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
   const PlacementError& worst = *std::ranges::max_element(blow.away, {}, size);
@@ -247,7 +248,7 @@ void print_impacts(std::ostream& out, const Scene& scene, const Around& around) 
   }
 }
 
-// Lists the switches of --switch that the run did not reach; "" if every switch was done.
+// Returns the switches of --switch that the run did not reach, or "" if all were made.
 std::string switches_not_reached(const Around& around, const SimulationData& sim) {
   const std::string list = around.switches ? around.switches->not_reached() : "";
   return list.empty() ? "" : "not switched, for the run ended at t = " + number(sim.time(), 6) + " s: " + list;

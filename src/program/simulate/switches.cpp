@@ -75,8 +75,8 @@ std::string Switches::not_reached() const {
 bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   std::vector<char> active = sim.dynamics.active;
   std::vector<const Event*> closing;
-  std::vector<char> on(active.size());  // flags of contacts that the due events switch on
-  std::set<const Event*> held;          // events `on` or `here` whose contacts are active already
+  std::vector<char> on(active.size());  // flags of the contacts that due events switch on
+  std::set<const Event*> held;          // events `on` or `here` whose contacts are already active
   bool any = false;
   for (; done_ < events_.size() && events_[done_].t <= sim.time() + tolerance; ++done_) {
     const Event& event = events_[done_];
@@ -86,7 +86,8 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[c] = event.what != Event::kOff;
       on[c] = event.what == Event::kOn;
-      sim.dynamics.active[c] = false;  // an active contact then closes again, with an impact
+      // A contact that was active closes again, with an impact.
+      sim.dynamics.active[c] = false;
       if (event.what == Event::kHere) resolve_reference(scene, sim.q, true, true, scene.contacts[c]);
     }
   }
@@ -95,8 +96,8 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    if (active[event->first])  // the contact is not switched off again by a later event of the same time
-      closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
+    // This is false if a later event of the same time switches the contact off again.
+    if (active[event->first]) closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Contacts that are switched on and off at given times: the option --switch.
+// Contacts that the option --switch switches on and off at given times.
 
 #include "manycontact/analysis/findings.hpp"
 #include "manycontact/io/scene_file.hpp"
@@ -9,30 +9,34 @@ namespace manycontact::cli {
 
 class Switches {
  public:
-  /// Parses "0.2 left off, 0.5 left on": times, contacts (or copies, by the name in the file), and `off`, `on` or
-  /// `here` (on, with B' at the placement that frame A has at this time). Throws UsageError.
+  /// Parses a list such as "0.2 left off, 0.5 left on". An item consists of a time, a contact (or an element with
+  /// copies), and `off`, `on` or `here`, which is `on` with B' at the placement that frame A has at this time. Throws
+  /// UsageError.
   Switches(const std::string& text, const SceneFile& file);
 
   struct Event {
     double t = 0;
     std::string contact;
-    int first = 0, count = 1;  // contacts
+    // Index of the first contact, and number of contacts.
+    int first = 0, count = 1;
     enum What { kOff, kOn, kHere } what = kOff;
   };
 
-  /// An impact of contacts that closed, and the change of motion.
+  /// An impact of contacts that closed, with the change of velocity.
   struct ImpactEvent {
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    std::vector<PlacementError> away;  // errors of contacts closed by `on` out of place
+    // Placement errors of the contacts that `on` closed.
+    std::vector<PlacementError> away;
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 
-  /// Lists the switches not done yet in the option's syntax, "5 left off, 7 right on"; empty if all are done.
+  /// Lists the switches that are not made yet in the option's syntax, "5 left off, 7 right on", or returns "".
   std::string not_reached() const;
 
-  /// Makes the switches due at the state's time, at most `tolerance` early. Returns false if an impact's solve failed.
+  /// Makes the switches that are due at the state's time or at most `tolerance` [s] later. Returns false if the solve
+  /// of an impact failed.
   [[nodiscard]] bool apply(Scene& scene, SimulationData& sim, double tolerance);
 
  private:

@@ -31,7 +31,7 @@ double size_of(const Violation& x) { return x.by; }
 double size_of(const LimitPassed& x) { return std::abs(x.value - x.limit); }
 double size_of(const TurningRows& x) { return x.rate; }
 
-// Return a finding's key: contact or coordinate, and kind. If `group` is not empty, copies have equal keys.
+// Return the key of a finding: contact or coordinate, and kind. With `group`, findings of copies have the same key.
 std::vector<int> key_of(const Violation& x, const std::vector<int>& group) {
   return {group.empty() ? x.contact : group[x.contact], static_cast<int>(x.kind)};
 }
@@ -45,7 +45,7 @@ std::vector<int> key_of(const TurningRows& x, const std::vector<int>& group) {
 int member_of(const LimitPassed& x) { return x.robot; }
 int member_of(const auto& x) { return x.contact; }
 
-// Merges the findings of a step that started at t into `seen`: first time, and the worst finding of each key.
+// Merges the findings of a step that started at t into `seen`, which keeps the first time and worst finding per key.
 template <class Found, class Seen>
 void take(const std::vector<Found>& found, double t, std::map<std::vector<int>, Seen>& seen) {
   for (const Found& x : found) {
@@ -62,7 +62,7 @@ std::vector<const Seen*> by_time(const std::map<std::vector<int>, Seen>& seen) {
   return out;
 }
 
-// Prints a line per group of copies: first time, members, worst finding. names: returns the name of several members.
+// Prints a line per group of copies with first time, members and worst finding. names(...) names several members.
 template <class Seen, class Names>
 void print_copies(std::ostream& out, const Scene& scene, const std::map<std::vector<int>, Seen>& seen,
                   const std::string& most, const std::vector<int>& group, Names&& names) {
@@ -182,7 +182,7 @@ double Watch::gained_energy(const Invariants& start, const Invariants& end, doub
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                          const Invariants& start, const Invariants& end, double most_kinetic) const {
-  constexpr double kRounding = 1e-12;  // rounding error relative to the total energy
+  constexpr double kRounding = 1e-12;  // rounding error, relative to the total energy
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
     wrap(out,

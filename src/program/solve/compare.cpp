@@ -10,9 +10,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kPatience = 2.5e5;  // us: predicted time above which dense solves are left out
+constexpr double kPatience = 2.5e5;  // predicted time above which dense solves are left out [us]
 
-// Returns the worst deviation, over robots for which both methods have a solution.
+// Returns the worst deviation over the robots for which both methods have a solution.
 Deviation worst_known(std::vector<Deviation> deviations) {
   std::erase_if(deviations, [](const Deviation& d) { return std::isnan(d.absolute); });
   return worst(deviations);
@@ -36,7 +36,7 @@ void print_against_dense(std::ostream& out, const SolvedScene& s) {
   }
   const int repeat = static_cast<int>(std::clamp(kPatience / rough, 1.0, double(s.repeat)));
   const SolvedScene dense = solve_scene(s.file, {Method::kDense, {}}, repeat);
-  // Gravity is the least scale of accelerations: the accelerations of a scene at rest are rounding errors.
+  // Gravity is the smallest scale of accelerations, because accelerations of a scene at rest are rounding errors.
   const Eigen::VectorXd gravity = Eigen::VectorXd::Constant(scene.nv, scene.gravity.norm());
   const Deviation a = worst_known(acceleration_deviations(scene, s.data.a, dense.data.a, gravity));
   const Deviation f = worst_known(force_deviations(scene, s.data.f_offset, s.data.f, dense.data.f));

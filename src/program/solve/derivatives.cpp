@@ -1,4 +1,4 @@
-// Prints derivatives in the summary: the time, and the largest entry and the error bound of each matrix.
+// Prints the derivatives in the summary, with their time, and each matrix's largest entry and error bound.
 
 #include <cmath>
 
@@ -18,7 +18,7 @@ std::vector<std::string> chosen(const std::vector<std::string>& names, const std
 }
 
 struct Largest {
-  double value = 0, error = 0;  // value: the largest entry; error: the largest error bound of an island
+  double value = 0, error = 0;  // largest entry; largest error bound of the islands
   std::string row, column;
 
   template <class Block>
@@ -42,7 +42,7 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
       << (s.repeat > 1 ? " (median of " + std::to_string(s.repeat) + ")" : "")
       << "; the largest entry of each (per rad, m, rad/s, m/s, N m, N)\n";
   Largest a[3], f[3];
-  std::size_t unknown = 0;  // solved islands without derivatives
+  std::size_t unknown = 0;  // number of solved islands without derivatives
   const DerivativeData& dd = derivatives(s.data);
   const Scene& scene = s.file.scene;
   const auto v_names = velocity_names(scene), u_names = torque_names(scene), f_names = force_names(scene, s.data);

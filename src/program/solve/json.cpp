@@ -27,7 +27,7 @@ Json times_us(const SolvedScene& s) {
 
 Json order_of(const IslandReport& r) { return has_order(r.method) ? Json(to_string(r.order)) : Json(nullptr); }
 
-// Returns the members that the reports of an island and of the scene have in common.
+// Returns the members that the report of an island and the report of the scene have in common.
 Json accuracy_of(const auto& report) {
   return {{"residual_dynamics", report.residual_dynamics},   {"residual_contact", report.residual_contact},
           {"backward_error", report.backward_error},         {"condition", report.condition},
@@ -66,7 +66,7 @@ Json quality_entry(const SystemQuality& of) {
           {"signature", {of.positive, of.negative, of.zero}}};
 }
 
-// Returns the least precision of the islands; the requested precision if there are no islands.
+// Returns the lowest precision of all islands, or the requested precision if there are no islands.
 Precision least_precision(const Report& report, Precision asked) {
   Precision least = report.islands.empty() ? asked : report.islands.front().precision;
   for (const IslandReport& island : report.islands) least = std::min(least, island.precision);
@@ -113,7 +113,7 @@ constexpr Block kBlocks[] = {
     {"dforces_du", &SceneDerivatives::dforces_du, &DerivativeBounds::dforces_du},
 };
 
-// Returns the largest error bounds over all islands; NaN, written as null, if an island's bound is not known.
+// Returns the largest error bounds of all islands. Unknown bounds are NaN, which is written as null.
 Json largest_of(const std::vector<DerivativeBounds>& errors) {
   DerivativeBounds most;
   Json out;

@@ -16,7 +16,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Returns the median time of `repeat` calls [us]. `before` runs before each call and is not timed.
+// Returns the median time [us] of `repeat` calls of call(). before() runs before each call and is not timed.
 template <class Before, class Call>
 double median_time(int repeat, Before&& before, Call&& call) {
   std::vector<double> times;
@@ -33,7 +33,7 @@ double median_time(int repeat, Call&& call) {
 }
 
 // Repeats the symbolic analyses of set-up and first solve: the patterns that the choice of a method compares, and
-// CHOLMOD's factorization if CHOLMOD is chosen. An island whose shape is already in `shapes` costs a look-up.
+// CHOLMOD's factorization if CHOLMOD is chosen. An island whose shape is already in `shapes` only costs a look-up.
 void analyse(const Scene& scene, const std::vector<Island>& islands, const Options& options, ShapeCache& shapes) {
   for (const Island& island : islands) {
     const std::size_t known = shapes.size();
@@ -57,7 +57,7 @@ double time_of_analysis(const Scene& scene, const SceneData& data, int repeat) {
       repeat, [&] { shapes.emplace(); }, [&] { analyse(solved, islands, data.options, *shapes); });
 }
 
-// Makes a SceneData and measures the time.
+// Makes a SceneData `repeat` times, and sets `time` to the median time.
 SceneData set_up(const Scene& scene, const Options& options, int repeat, double& time) {
   std::optional<SceneData> data;
   time = median_time(
@@ -65,7 +65,7 @@ SceneData set_up(const Scene& scene, const Options& options, int repeat, double&
   return std::move(*data);
 }
 
-/// Throws UsageError if JSON, whose matrices are dense, would fill memory and disk.
+/// Throws UsageError if the JSON document, whose matrices are dense, would fill memory and disk.
 void check_size_of_json(const Scene& scene) {
   constexpr double kMost = 1e8;
   double rows = scene.nv;
@@ -117,7 +117,8 @@ int run_solve(const Arguments& arguments) {
   solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) {
     solved.quasi_static_u = quasi_static(file.scene, file.q, &solved.unbalanced);
-    for (const Unbalanced& x : solved.unbalanced)  // robots with u="gravity" are in the findings of the file already
+    // The findings of the file already contain this for robots with u="gravity".
+    for (const Unbalanced& x : solved.unbalanced)
       if (!std::ranges::binary_search(file.gravity_robots, x.robot)) solved.findings.unbalanced.push_back(x);
   }
   if (const auto json = arguments.value("--json"))

@@ -1,5 +1,5 @@
 #pragma once
-// `manycontact solve`: the solution of a scene, as a summary or as JSON.
+// The command `manycontact solve` writes the solution of a scene, as a summary or as JSON.
 
 #include <optional>
 
@@ -10,17 +10,20 @@
 
 namespace manycontact::cli {
 
-/// Median times, us.
+/// Median times [us].
 struct Times {
-  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches
-  double setup = 0;     // construction of the SceneData: memory, islands, and symbolic analysis
+  // Time of the symbolic analysis of every shape of island, with empty caches.
+  double symbolic = 0;
+  // Time to construct the SceneData, including memory, islands, and symbolic analysis.
+  double setup = 0;
   double solve = 0;
-  double derivatives = 0;  // 0 unless requested
+  double derivatives = 0;  // 0 unless derivatives were requested
 };
 
 struct SolvedScene {
   const SceneFile& file;
-  SceneData data;  // solved, with condition and errors estimated
+  // Solved, with condition and errors estimated.
+  SceneData data;
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
@@ -29,15 +32,16 @@ struct SolvedScene {
   std::vector<SystemQuality> quality = {};               // one entry per island, or empty
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
-  std::vector<char> unique = {};            // one entry per row of data.f, by unique_forces; empty: not requested
-  bool compare = false;                     // compare with the dense reference solver even if its solve is slow
+  // Result of unique_forces, one entry per row of data.f; empty if not requested.
+  std::vector<char> unique = {};
+  bool compare = false;  // whether to compare with the dense reference solver even if it is slow
 };
 
-/// Times set-up, analysis, solve and, if requested, derivatives of the scene, `repeat` times each. Solve and
+/// Solves the scene, and measures set-up, analysis, solve and, if requested, derivatives `repeat` times each. Solve and
 /// derivatives run once before, to warm up.
 SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
-/// Writes the JSON document to `path`; "-" is standard output. Throws InputError if it cannot be written.
+/// Writes the JSON document to `path`. "-" is standard output. Throws InputError if it cannot be written.
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);
@@ -47,7 +51,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& solved);
 void print_forces(std::ostream& out, const SolvedScene& solved);
 void print_derivatives(std::ostream& out, const SolvedScene& solved);
 void print_quasi_static(std::ostream& out, const SolvedScene& solved);
-/// Solves again with the dense reference solver and compares solutions and times.
+/// Solves again with the dense reference solver, and prints differences of solutions and times.
 void print_against_dense(std::ostream& out, const SolvedScene& solved);
 
 }  // namespace manycontact::cli

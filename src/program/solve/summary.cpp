@@ -80,7 +80,7 @@ std::string why(const SolvedScene& s, const Alike& kind) {
   return text + (text.empty() || changed.empty() ? "" : "; ") + changed;
 }
 
-// Returns "left_b[0], left_b[1], ... and 4 more", or nothing if all rows are independent.
+// Returns the redundant rows, such as "left_b[0], left_b[1], ... and 4 more", or "" if all rows are independent.
 std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   constexpr std::size_t kShown = 6;
   if (r.dependent_rows.empty()) return "";
@@ -92,7 +92,8 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   return text + " follow from the other rows";
 }
 
-// Returns "at most 1.2e-13 of the largest acceleration, forces are rounding errors"; nothing without a bound.
+// Returns the error bounds in words, such as "at most 1.2e-13 of the largest acceleration, forces are rounding errors",
+// or "" if there is no bound.
 std::string errors_in_words(const IslandReport& r) {
   const Rounding rounding = find_rounding(r);
   const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {
@@ -104,7 +105,7 @@ std::string errors_in_words(const IslandReport& r) {
   return a + (a.empty() || f.empty() ? "" : ", ") + f;
 }
 
-// Describes the precision that the solve reached; "" if only double precision was requested.
+// Returns the precision that the solve reached, or "" if only double precision was requested.
 std::string precision_in_words(const SolvedScene& s, const IslandReport& r) {
   const Precision asked = s.data.options.precision;
   if (asked == Precision::kDouble) return "";
@@ -116,7 +117,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// Prints one fact per line, for scenes in which all islands have equal results.
+// Prints one fact per line. It is used if all islands have equal results.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {
@@ -180,7 +181,7 @@ void print_several_kinds(std::ostream& out, const SolvedScene& s, const std::vec
   wrap(out, times(s), 2);
 }
 
-// Prints how accurately K x = b is solved, and its condition.
+// Prints the accuracy of the solution of K x = b, and the condition of K.
 void print_quality(std::ostream& out, const SolvedScene& s, const std::vector<Alike>& kinds) {
   constexpr std::size_t kShown = 10;
   Table table("islands|robots<22|backward error: entries|norms|growth|condition|scaled|signature", kShown,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostRobots = 12, kMostContacts = 24, kMostTorques = 8;
 
-// Returns the velocity coordinate of the largest absolute joint acceleration, -1 if there is none.
+// Returns the velocity coordinate with the largest absolute joint acceleration, or -1 if there are no joints.
 int fastest_joint(const Model& model, const ConstVectorRef& a) {
   int best = -1;
   for (int i = model.first_actuated(); i < model.nv; ++i)
@@ -22,7 +22,7 @@ int fastest_joint(const Model& model, const ConstVectorRef& a) {
   return best;
 }
 
-// Returns force and moment on A in the contact's axes.
+// Returns the force and the moment on A in the contact's axes.
 Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int offset) {
   Vec6<double> w = Vec6<double>::Zero();
   w.head<3>() = linear_force(contact, f.data() + offset);
@@ -31,7 +31,7 @@ Vec6<double> force_in_axes(const Contact& contact, const Eigen::VectorXd& f, int
   return w;
 }
 
-// Returns a flag per component of a contact's force: whether the component depends on rows that are not unique.
+// Returns for each component of a contact's force whether it depends on rows that are not unique.
 std::vector<bool> shared_in_axes(const SolvedScene& s, int c) {
   const Contact& contact = s.file.scene.contacts[c];
   const int first = s.data.f_offset[c];
@@ -51,7 +51,7 @@ std::vector<int> active_contacts(const SolvedScene& s) {
   return active;
 }
 
-// Returns per robot the force of all its contacts, in world axes. The last entry is the world's force on all robots.
+// Returns for each robot the sum of its contact forces, in world axes. The last entry is the sum of the world's forces.
 std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const RigidBodies bodies(scene);
@@ -71,7 +71,7 @@ std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   return total;
 }
 
-// Prints the forces from the world, and the weight that they support.
+// Prints the sum of the forces from the world, and the weight that they support.
 void print_total(std::ostream& out, const SolvedScene& s) {
   double mass = 0;
   for (const Robot& robot : s.file.scene.robots) mass += robot.model->floating_base ? robot.model->mass() : 0;
@@ -86,7 +86,8 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 
 bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
-    return false;  // accelerations of inconsistent islands are not rounding errors
+    // Accelerations of inconsistent islands are never rounding errors.
+    return false;
   return std::ranges::all_of(report.islands,
                              [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

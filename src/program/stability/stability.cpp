@@ -1,4 +1,4 @@
-// `manycontact stability`: constraint violation and energy error by step size, gains and integrator.
+// The command `manycontact stability` measures constraint violation and energy error for steps, gains and integrators.
 
 #include <algorithm>
 #include <cmath>
@@ -21,14 +21,14 @@ namespace {
 namespace fs = std::filesystem;
 
 struct GainsChoice {
-  std::string name;  // "none", "100 20", "recommended"
+  std::string name;  // such as "none", "100 20", "recommended"
   bool recommended = false;
   Gains gains;  // used if `recommended` is false
 };
 
 struct EnergyRow {
   long step;
-  double error;  // largest |E - E(0)| so far, J
+  double error;  // largest |E - E(0)| so far [J]
   double drift;  // constraint violation of positions at this step [m, rad]
 };
 
@@ -40,10 +40,10 @@ struct EnergyRun {
   EnergyRow last = {};  // last row of energy.csv
   StepStatus stopped = StepStatus::kOk;
   long steps = 0;      // completed steps
-  double kinetic = 0;  // largest kinetic energy, J
+  double kinetic = 0;  // largest kinetic energy [J]
 };
 
-// Rates omega of critically damped gains alpha = omega^2, beta = 2 omega [1/s]; 0: no gains.
+// Rates omega [1/s] of critically damped gains alpha = omega^2, beta = 2 omega. 0 means no gains.
 constexpr double kRates[] = {0, 10, 100, 1000};
 constexpr double kSmallestStep = 5e-4, kLargestStep = 0.1;  // s
 constexpr int kStepsPerDecade = 10;
@@ -74,7 +74,7 @@ const char* to_string(StepStatus status) {
   return kNames[static_cast<int>(status)];
 }
 
-// Simulates `time` seconds and writes a row with the largest constraint violation; stops if a step fails.
+// Simulates `time` seconds and writes a row with the largest constraint violation. Stops if a step fails.
 void measure_drift(SceneFile file, const Options& options, Integrator integrator, const GainsChoice& choice, double h,
                    double time, const std::function<void(long)>& each, CsvFile& csv) {
   const Gains gains = gains_for(choice, integrator, h);
@@ -131,14 +131,14 @@ struct Plan {
   bool progress = false;
 };
 
-// Returns the number of solves of all runs, a measure of the runs' cost.
+// Returns the number of solves of all runs, which is a measure of their cost.
 double total_work(const Plan& plan) {
   double work = 0;
   for (double h : step_sizes()) work += 5 * plan.drift_time / h * static_cast<double>(gains_choices().size());
   return work + 2.0 * 5 * static_cast<double>(plan.energy_steps);
 }
 
-// Writes drift.csv and energy.csv.
+// Simulates all runs, and writes drift.csv and energy.csv.
 std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, const Plan& plan,
                                const fs::path& folder) {
   const std::vector<GainsChoice> choices = gains_choices();
@@ -172,7 +172,7 @@ std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, co
   return out;
 }
 
-// Writes the data that the charts show in addition to the CSV files.
+// Writes the data that the charts need in addition to the CSV files.
 void write_json(const std::string& scene, const Plan& plan, const std::vector<EnergyRun>& energy,
                 const fs::path& path) {
   Json runs = Json::array();

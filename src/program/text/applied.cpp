@@ -8,7 +8,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostListed = 24;  // rows of a table
+constexpr std::size_t kMostListed = 24;  // most rows of a table
 
 std::string three(const Vec3<double>& x) { return number(x[0]) + " " + number(x[1]) + " " + number(x[2]); }
 
@@ -18,7 +18,7 @@ std::string name_of(const Scene& scene, const Attachment& at) {
   return robot.name + "/" + (at.frame.empty() ? robot.model->joints[at.joint].name : at.frame);
 }
 
-// External wrenches and springs at the file's q and v.
+// External wrenches and springs at q and v of the scene file.
 struct At {
   const Scene& scene;
   AppliedForces<double> forces;

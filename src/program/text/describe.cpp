@@ -9,9 +9,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostRobotLines = 24;  // lines, and kinds of notes
+constexpr std::size_t kMostRobotLines = 24;  // most lines, and most kinds of notes
 
-// Returns ", wrenches: 2, springs: 3", or nothing if the scene has neither.
+// Returns a text such as ", wrenches: 2, springs: 3", or "" if the scene has neither.
 std::string applied_forces(const Scene& scene) {
   const std::size_t springs = scene.springs.size() + scene.joint_springs.size();
   std::string out;
@@ -96,7 +96,8 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
 }
 
 void print_notes(std::ostream& out, const SceneFile& file) {
-  std::vector<std::pair<std::string, std::vector<std::string>>> notes;  // text, and names of robots
+  // Text of the note, and names of the robots that it applies to.
+  std::vector<std::pair<std::string, std::vector<std::string>>> notes;
   for (const RobotGroup& group : file.robot_groups) {
     const ModelNotes& n = file.scene.robots[group.first].model->notes;
     const auto note = [&](const std::vector<std::string>& joints, const std::string& what) {

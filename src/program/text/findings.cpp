@@ -19,7 +19,7 @@ std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
 }
 
-// Prints the names of the contacts in `list`, "left, right", and, if there are several, the worst contact.
+// Prints the names of the contacts in `list`, such as "left, right". If there are several, also prints the worst.
 template <class List, class Size, class Say>
 void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
                     Say&& say) {
@@ -56,13 +56,13 @@ std::string contradicted_by(const Contradiction& c) {
   return "by " + text::two_sizes(c.linear, "m/s^2", c.angular, "rad/s^2", 1e-8 * std::max(c.linear, c.angular));
 }
 
-// Returns the finding's name and place: "r/knee (arm.urdf:12)".
+// Returns name and place of a finding, such as "r/knee (arm.urdf:12)".
 std::string place(const Finding& finding) {
   return finding.name + " (" + std::filesystem::path(finding.file).filename().string() + ":" +
          std::to_string(finding.line) + ")";
 }
 
-// Prints the findings of files: a few texts per kind, each with the names and lines to which it refers.
+// Prints the findings of files. There are a few texts per kind, each with the names and lines to which it refers.
 void print_files(std::ostream& out, const std::vector<Finding>& findings) {
   std::map<std::string, std::vector<std::string>> texts;   // key: kind; each text once
   std::map<std::string, std::vector<std::string>> places;  // key: kind and text
@@ -91,7 +91,7 @@ void print_massless(std::ostream& out, const std::vector<MasslessJoint>& list) {
     wrap(out, join(names, kMostWeightless) + ": " + why, 2, "joints without inertia: ");
 }
 
-// Prints the first entries of a list with one entry per island or robot.
+// Prints the first entries of a list that has one entry per island or robot.
 void print_some(std::ostream& out, const std::vector<std::string>& list, const std::string& title,
                 const std::string& items = "islands") {
   const std::size_t shown = list.size() <= kMostIslands + 1 ? list.size() : kMostIslands;

@@ -1,5 +1,5 @@
 #pragma once
-// Findings about a scene and its solution, as text and in JSON.
+// Collects findings about a scene and its solution, and writes them as text and as JSON.
 
 #include <algorithm>
 #include <limits>
@@ -12,12 +12,12 @@
 
 namespace manycontact::cli {
 
-// Nearly dependent rows with their names: indices of f change if other contacts become active.
+// Nearly dependent rows with their names, because the indices in f change if other contacts become active.
 struct NearlyDependent {
   NearDependent found;
   std::vector<std::string> rows;
   std::string coordinate;
-  std::string text;  // "loop[3], loop[4]: ..."
+  std::string text;  // such as "loop[3], loop[4]: ..."
 };
 
 struct Findings {
@@ -32,9 +32,11 @@ struct Findings {
   std::vector<RankChange> rank_changes;
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
-  std::vector<std::string> velocity_names;  // names of all velocity coordinates; empty without rank_changes
-  std::vector<std::string> close_rows;      // descriptions of islands whose rank decision is not reliable
-  double rank_gap = std::numeric_limits<double>::infinity();  // the smallest gap of the islands; infinite if unknown
+  // Names of all velocity coordinates; empty if there are no rank_changes.
+  std::vector<std::string> velocity_names;
+  std::vector<std::string> close_rows;  // descriptions of islands whose rank decision is not reliable
+  // Smallest gap of all islands; infinite if unknown.
+  double rank_gap = std::numeric_limits<double>::infinity();
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
@@ -43,33 +45,35 @@ struct Findings {
   }
 };
 
-/// Returns the findings of a scene solved at its own state.
+/// Returns the findings of a scene that was solved at its own state.
 Findings find(const SceneFile& file, const SceneData& data);
-/// Adds near_dependent, close_rows and rank_gap of a solution at q; rows that were added before are not repeated.
+/// Adds near_dependent, close_rows and rank_gap of a solution at q. Rows that were added before are not repeated.
 void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to);
 
-/// Returns "r0/knee: position 3.2, beyond 2.5".
+/// Returns a text such as "r0/knee: position 3.2, beyond 2.5".
 std::string in_words(const Scene& scene, const LimitPassed& limit);
-/// Returns "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient".
+/// Returns a text such as "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient".
 std::string in_words(const Scene& scene, const Violation& violation);
 
-/// Returns "foot slides across its rows, which turn with A: ...".
+/// Returns a text such as "foot slides across its rows, which turn with A: ...".
 std::string in_words(const Scene& scene, const TurningRows& rows);
 
-/// "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts constrain r/knee too; ..."
+/// Returns a text such as "left, right: rank 3 of 4 rows here, more at neighbouring configurations, where contacts
+/// constrain r/knee too; ...".
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& change);
 
-/// Prints "To look at" with a line per kind of finding, the worst first. Prints nothing if there are no findings.
+/// Prints "To look at" with a line per kind of finding, the worst kind first, or nothing if there are no findings.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
 
-/// Returns {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" if the contact slips.
+/// Returns an object such as {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}. If the contact slips, the
+/// object also has "needs_mu".
 Json json_of(const Scene& scene, const Violation& violation);
-/// Returns {"contact": "left", "rate": 2.3}.
+/// Returns an object such as {"contact": "left", "rate": 2.3}.
 Json json_of(const Scene& scene, const TurningRows& rows);
-/// Returns {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}.
+/// Returns an object such as {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}.
 Json json_of(const Scene& scene, const LimitPassed& limit);
 /// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,
-/// rank_changes, near_dependent, turning_rows, which are lists. The key `findings` has all of these as text:
+/// rank_changes, near_dependent and turning_rows, which are lists. The key `findings` lists all of them as text:
 /// {"kind": "limits", "name": "r0/knee", "text": "..."}, with "file" and "line" if a robot's file is the cause.
 void add_findings(const Scene& scene, const Findings& findings, Json& to);
 

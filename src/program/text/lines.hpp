@@ -1,5 +1,5 @@
 #pragma once
-// Tables in which neighbouring copies with equal text share one line: "foot0 .. foot63".
+// Tables in which neighbouring copies with equal text share one line, such as "foot0 .. foot63".
 
 #include "table.hpp"
 
@@ -7,7 +7,7 @@ namespace manycontact::cli {
 
 /// A line of a table, ranked by `size`.
 struct Line {
-  int group = 0;  // the group of copies that the line belongs to
+  int group = 0;  // number of the group of copies that the line belongs to
   std::string first, last;
   std::vector<std::string> cells;
   double size = 0;
@@ -15,10 +15,11 @@ struct Line {
 };
 using Lines = std::vector<Line>;
 
-/// Appends a line; if group and cells are those of the last line, extends the last line by this copy instead.
+/// Appends a line. If group and cells equal those of the last line, extends the last line by this copy instead.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
-/// Prints the `most` largest lines in their order, and the number of other lines (none_larger: "none larger" is added).
+/// Prints the `most` largest lines in their order, and the number of the other lines, followed by "none larger" if
+/// `none_larger`.
 void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
 
 }  // namespace manycontact::cli

@@ -5,7 +5,7 @@
 
 namespace manycontact::cli {
 
-/// Indices in the scene of an island's velocities, torques and rows of active contacts, in the island's order.
+/// Indices in the scene of an island's velocities, torques and rows of active contacts, in the order of the island.
 struct Places {
   std::vector<int> v, u, f;
 

@@ -11,13 +11,14 @@ namespace manycontact::cli {
 
 namespace {
 
-bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }  // inside a UTF-8 character
+// Returns whether c continues a UTF-8 character.
+bool continues(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
 int width(const std::string& text) {
   return static_cast<int>(std::ranges::count_if(text, [](char c) { return !continues(c); }));
 }
 
-// head returns the first `n` characters of a text, tail the last `n`.
+// head returns the first `n` characters of a text, and tail the last `n`.
 std::string head(const std::string& text, int n) {
   std::size_t end = 0;
   for (; end < text.size(); ++end)

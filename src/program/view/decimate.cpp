@@ -10,7 +10,7 @@ namespace {
 
 using Point = std::array<float, 3>;
 
-// Merges the vertices of each grid cell into the cell's first vertex: planes and edges keep their positions.
+// Merges the vertices of each grid cell into the cell's first vertex, so that planes and edges keep their positions.
 Mesh cluster(const Mesh& mesh, const Point& corner, float cell) {
   Mesh out;
   std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_cell;

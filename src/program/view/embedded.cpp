@@ -1,4 +1,4 @@
-// Embeds commands.txt, the page's parts in src/program/view/page, and three.js; CMake defines their paths.
+// Embeds commands.txt, the parts of the page in src/program/view/page, and three.js. CMake defines their paths.
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-// Writes the page: its parts, and the scene and the frames as JSON with numbers in base64.
+// Writes the page, which consists of its parts, and of the scene and the frames as JSON with numbers in base64.
 
 #include "page.hpp"
 
@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "the page reads little
 
 namespace {
 
-constexpr double kLargestPage = 500e6;  // bytes; larger pages overload browsers
+constexpr double kLargestPage = 500e6;  // larger pages overload browsers [bytes]
 
 std::string base64(const unsigned char* bytes, std::size_t size) {
   static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -67,14 +67,14 @@ Json frames_of(const Recording& r) {
           {"flags", base64_of(r.flags)}};
 }
 
-// Escapes '<' in JSON text inside <script>: a text "</script>" would end the element.
+// Escapes '<' in JSON text inside <script>, because a text "</script>" would end the element.
 std::string script_safe(const std::string& json) {
   std::string out;
   for (const char c : json) out += c == '<' ? std::string("\\u003c") : std::string(1, c);
   return out;
 }
 
-// Writes the template with {{name}} replaced.
+// Writes the HTML template, in which each {{name}} is replaced by the part of this name.
 void write_page(const PageParts& parts, std::string_view scene, std::ostream& out) {
   const std::pair<std::string_view, std::string_view> fill[] = {
       {"{{css}}", parts.css}, {"{{three}}", parts.three}, {"{{scene}}", scene}, {"{{script}}", parts.script}};

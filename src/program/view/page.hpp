@@ -10,20 +10,21 @@
 namespace manycontact::cli {
 
 struct PageParts {
-  std::string_view html, css, script, three;  // three: three.js, empty if it was missing at build time
+  // three: three.js, or empty if it was missing at build time
+  std::string_view html, css, script, three;
 };
 PageParts page_parts();
-/// Throws std::runtime_error with the package to install if a part is missing.
+/// Throws std::runtime_error if a part is missing. The message names the package to install.
 void check_page_parts();
 
-/// Returns the bytes in base64, as the page's `decode` reads them: little endian.
+/// Returns the little-endian bytes of a list in base64, as `decode` of the page reads them.
 template <class T>
 std::string base64_of(const std::vector<T>& list);
 
-/// Returns the robots, their bodies' shapes and the meshes. Lists missing files in `notes`, mesh files in `read`.
+/// Returns the robots, the shapes of their bodies and the meshes. Adds missing files to `notes`, mesh files to `read`.
 Json shapes_of(const SceneFile& file, std::vector<std::string>& notes, std::vector<std::string>& read);
 
-/// Records the last state of the motion as a frame, unless it is recorded already.
+/// Records the last state of the motion as a frame, unless it was recorded already.
 void finish(Recording& recording);
 
 }  // namespace manycontact::cli

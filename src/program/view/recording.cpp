@@ -35,7 +35,7 @@ SE3<double> placement_of(const Attachment& at, const Recording& r) {
   return frame_placement<double>(r.room.kin[robot], r.scene->robots[robot].base, at.joint, at.placement);
 }
 
-// Returns the placement of the frame that B is attached to, without B's offset; B' if the frame is not known.
+// Returns the placement of the frame that B is attached to, without B's offset, or B' if this frame is not known.
 SE3<double> frame_of(const Attachment& at, const Recording& r) {
   if (at.robot < 0 || at.frame.empty()) return placement_of(at, r);
   const Model& model = *r.scene->robots[at.robot].model;
@@ -56,7 +56,7 @@ void record_contact(const Contact& contact, const std::optional<Vec3<double>>& f
   append(force ? Vec3<double>(axes * *force) : Vec3<double>::Constant(kUnknown), r.forces);
 }
 
-// Returns a flag per row of f: whether the row depends on other rows.
+// Returns one flag per row of f: whether the row depends on other rows.
 std::vector<char> dependent_rows(const Report& report, Eigen::Index rows) {
   std::vector<char> out(static_cast<std::size_t>(rows));
   for (const IslandReport& island : report.islands)
@@ -74,7 +74,8 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
       if (dependent[first + k]) flags |= Recording::kRedundant;
       const bool known = std::isfinite(r.dynamics.f[first + k]);
-      if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;  // rows of the force that is drawn
+      // Only rows of the linear force count, because it is drawn.
+      if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;
     }
     std::optional<Vec3<double>> force;
     if (state.forces && state.active[c]) force = linear_force(contact, (*state.forces)[c].data());
@@ -96,7 +97,7 @@ void record_forces(Recording& r) {
     for (const Attachment* end : {&spring.A, &spring.B}) append(placement_of(*end, r).p, r.springs);
 }
 
-// Records each robot's island by the number of the island's first robot: its colour then survives other changes.
+// Records each robot's island as the number of the first robot of the island, so that colours survive other changes.
 void record_islands(Recording& r) {
   std::vector<std::int32_t> first(island_count(r.dynamics), -1);
   for (int robot = 0; robot < r.scene->nrobots(); ++robot) {
@@ -110,7 +111,8 @@ void record(const ViewState& state, Recording& r) {
   r.dynamics.active = state.active;
   if (state.wrenches) r.dynamics.wrenches = *state.wrenches;
   const Eigen::VectorXd u = state.u.value_or(Eigen::VectorXd::Zero(r.scene->nu));
-  (void)solve(*r.scene, state.q, state.v, u, r.dynamics);  // forces of an island that failed are NaN, thus unknown
+  // If an island failed, its forces are NaN, which means unknown.
+  (void)solve(*r.scene, state.q, state.v, u, r.dynamics);
   const Invariants at = invariants(*r.scene, state.active, state.q, state.v, r.room);
   const Eigen::Vector2d drift = state.drift.value_or(Eigen::Vector2d(at.violation_position, at.violation_velocity));
   r.t.push_back(state.t);

@@ -1,4 +1,4 @@
-// The shapes of robots: the visuals of their URDF files, and capsules between joints for bodies without visuals.
+// Finds the shapes of robots: the visuals of their URDF files, or capsules between joints for bodies without visuals.
 
 #include <map>
 #include <set>
@@ -14,7 +14,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostTriangles = 4000;  // most triangles of a mesh; finer meshes are decimated
+constexpr std::size_t kMostTriangles = 4000;  // meshes with more triangles are decimated
 
 constexpr const char* kNames[] = {"box", "cylinder", "sphere", "mesh"};
 
@@ -26,14 +26,14 @@ Json json_of(const SE3<double>& at) {
   return list;
 }
 
-// The meshes of a scene without repetition.
+// The meshes of a scene, each once.
 struct Meshes {
   Json list = Json::array();
-  std::map<std::string, int> index;  // key: path; value -1: the mesh cannot be read
+  std::map<std::string, int> index;  // key: path; value: position in `list`, or -1 if the mesh cannot be read
   std::set<std::string> lost;        // names of missing meshes as in the URDF, and the reasons
 };
 
-// Returns the mesh's number in the list; -1 if it cannot be read.
+// Returns the position of a mesh in the list, or -1 if it cannot be read.
 int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {
   const std::string path = find_mesh(urdf, name);
   if (path.empty()) {
@@ -56,8 +56,8 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
   return at->second;
 }
 
-// Returns a capsule from the body's origin to p, in the body's frame; a ball if p is the origin. The centre of the
-// round end is at p, or, with `ends`, the capsule's tip.
+// Returns a capsule from the body's origin to p, in the body's frame, or a ball if p is the origin. The centre of the
+// round end is at p, or, with `ends`, the tip of the capsule is at p.
 Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   if (ends && p.norm() > 0) p *= 1 - radius / p.norm();
   const double length = p.norm();
@@ -67,7 +67,7 @@ Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   return {{"body", body}, {"shape", "capsule"}, {"size", {radius, length, 0}}, {"at", json_of(at)}};
 }
 
-// Returns the largest sum of the distances between joints along a chain: the scale of capsules.
+// Returns the largest sum of the distances between joints along a chain, to which capsules are scaled.
 double reach_of(const Model& model) {
   double longest = 0;
   std::vector<double> reach(model.joints.size());
@@ -79,7 +79,8 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Returns the end of a leaf body: its farthest frame, or the point at twice the centre of mass if this is farther out.
+// Returns the end of a leaf body: its farthest frame, or twice the centre of mass if all frames are nearer than this
+// centre.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[joint].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();
@@ -89,7 +90,7 @@ Vec3<double> tip_of(const Model& model, int joint) {
   return tip.norm() < centre.norm() ? Vec3<double>(2 * centre) : tip;
 }
 
-// Adds capsules for bodies without a complete shape: from a body's joint to its child joints; for a leaf, to its tip.
+// Adds capsules for bodies without a complete shape, from a body's joint to its child joints, or to the tip of a leaf.
 // Body -1 is a fixed base.
 void add_capsules(const Model& model, const std::vector<char>& whole, Json& shapes) {
   const double radius = std::max(0.03 * reach_of(model), 0.005);

@@ -11,7 +11,8 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kUnitLength = 1e-3;  // permitted error of a quaternion's norm: tables may have few digits
+// Permitted error of a quaternion's norm, because tables may have few digits.
+constexpr double kUnitLength = 1e-3;
 
 using Columns = std::vector<std::size_t>;
 
@@ -39,7 +40,7 @@ class Forces {
     more_ = row_.next();
   }
 
-  /// Sets the forces of a state if the file has a row at the state's time. Call it in the order of time.
+  /// Sets the forces of a state if the file has a row at the state's time. States must be given in the order of time.
   void set(ViewState& state) {
     const double early = state.t - 1e-9 * std::abs(state.t);
     if (more_ && row_.t() < early) refuse();
@@ -78,7 +79,8 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  const std::vector<char> active = recording.dynamics.active;  // initially as in the scene
+  // The initial flags are those of the scene.
+  const std::vector<char> active = recording.dynamics.active;
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);

@@ -16,7 +16,7 @@ constexpr double kNegligible = 1e-9;  // smaller accelerations, relative to the 
 
 /// The bodies that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
-  std::vector<std::vector<char>> touched;  // one per robot and joint: a contact or spring acts on its body
+  std::vector<std::vector<char>> touched;  // one flag per robot and joint: whether a contact or spring acts on its body
   std::vector<char> robot_touched;
   double negligible = 0;  // accelerations up to this count as zero
 };
@@ -39,7 +39,7 @@ State read_state(const Scene& scene, const SceneData& data) {
   return s;
 }
 
-// Returns the roots of the largest subtrees in which `is` is true for all joints, with the numbers of joints.
+// Returns the roots of the largest subtrees in which `is` is true for all joints, each with its number of other joints.
 template <class Test>
 std::vector<std::pair<int, int>> whole_subtrees(const Model& model, Test&& is) {
   std::vector<char> whole(model.joints.size());
@@ -61,7 +61,7 @@ std::vector<std::string> joint_names(const Model& model, const std::vector<std::
   return names;
 }
 
-// Whether a joint could be locked: no contact, no velocity, no significant acceleration, not a floating base.
+// Returns whether a joint could be locked: it has no contact, no velocity, no significant acceleration, and is no base.
 bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int j) {
   const Robot& robot = scene.robots[r];
   const Joint& joint = robot.model->joints[j];
@@ -71,7 +71,7 @@ bool idle(const Scene& scene, const SceneData& data, const State& s, int r, int 
          (data.a.segment(first, joint.nv()).array().abs() <= s.negligible).all();  // false for NaN
 }
 
-// Groups equal texts: text -> robots, in the order of their first robots.
+// Collects texts about robots: `items` contains each distinct text once, with the robots to which it applies.
 struct Said {
   std::map<std::string, std::size_t> at;
   std::vector<std::pair<std::string, std::vector<int>>> items;

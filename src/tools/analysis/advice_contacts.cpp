@@ -25,7 +25,7 @@ struct Subject {
   const IslandKind& kind;
 };
 
-// Whether one of `contacts` has nearly dependent rows: advice on these contacts would then be unreliable.
+// Returns whether one of `contacts` has nearly dependent rows, so that advice on these contacts would be unreliable.
 bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   return std::ranges::any_of(ranks.lighter, [&](const Lighter& l) {
     return l.only_just > 0 && std::ranges::find(contacts, l.contact) != contacts.end();
@@ -48,16 +48,16 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
           " redundant, since the preceding rows impose the same constraint: " + join(s.redundant, kMostItems) +
           and_more(x.kind.islands.size() - 1, "island");
   advice.push_back(text);
-  if (any_only_just(ranks, x.island.contacts)) return;  // the rank decision about the other rows is unreliable
+  if (any_only_just(ranks, x.island.contacts)) return;  // nearly dependent rows make the advice unreliable
   text = "the remaining rows impose the same constraint: " + join(s.kept, kMostItems);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
   if (x.scene.damping > 0) text += " (the damping acts on every row: removing some changes the solution by as much)";
   advice.push_back(text);
 }
 
-// Contacts that could replace all contacts between two bodies.
+// A contact that could replace all contacts between two bodies.
 struct Replacement {
-  std::string text;  // the advice; empty: none
+  std::string text;  // the advice; empty if there is none
   int rows = -1;     // number of rows; -1: no single contact type replaces them
 };
 

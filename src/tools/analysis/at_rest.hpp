@@ -11,14 +11,14 @@
 
 namespace manycontact::internal {
 
-/// Flags of the contacts that are active in a solution.
+/// Returns one flag per contact: whether it is active in the solution `data`.
 inline std::vector<char> active_of(const SceneData& data) {
   std::vector<char> active;
   for (const int first : data.f_offset) active.push_back(first >= 0);
   return active;
 }
 
-/// Calls act(row) for an island's rows of f.
+/// Calls act(row) for each row of f that belongs to the island.
 template <class Act>
 void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
   for (const int c : solved_island(data, island).contacts)
@@ -29,7 +29,8 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Bounds how much errors of J change an island's vector n with J^T n = 0. change: from AtRest::change_of_null.
+/// Returns a bound of the change that errors of J cause in an island's vector n with J^T n = 0. `change` is the result
+/// of AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -39,14 +40,14 @@ inline double change_in(const Scene& scene, const SceneData& data, std::size_t i
   });
   return most * sum;
 }
-/// Calls act(i) for the velocity coordinates of an island's robots.
+/// Calls act(i) for each velocity coordinate i of the island's robots.
 template <class Act>
 void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
   for (const int r : solved_island(data, island).robots)
     for (int k = 0; k < scene.robots[r].model->nv; ++k) act(scene.robots[r].idx_v + k);
 }
 
-/// The scene at rest, without gravity and damping, in which motions of contact rows can be prescribed.
+/// A copy of the scene with zero velocity, gravity and damping, in which accelerations of rows can be prescribed.
 class AtRest {
  public:
   AtRest(const Scene& scene, const std::vector<char>& active, const Options& options)
@@ -54,7 +55,7 @@ class AtRest {
     data_.active = active;
     prepare(scene_, data_);
   }
-  /// Makes the scene at rest with the active contacts and the dependent rows of the solution `of`.
+  /// Copies the scene with the active contacts and the redundant rows of the solution `of`.
   AtRest(const Scene& scene, const SceneData& of) : AtRest(scene, active_of(of), of.options) {
     keep_dependent_as(of, scene_, data_);
   }
@@ -63,17 +64,17 @@ class AtRest {
   Status worst() const { return worst_; }                    // worst status of all solves
   const Eigen::VectorXd& forces() const { return data_.f; }  // forces of the last solve
 
-  /// The placement errors e that gains correct, per row.
+  /// Returns the placement error of each constraint row, which Baumgarte gains would correct.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
     return of_contacts(q, nullptr,
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
   }
-  /// J v, per row.
+  /// Returns J v.
   Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// J' v per row: the rate of J v at zero joint acceleration. a0 of a 1D to 3D contact that moves has one more term.
+  /// Returns Jdot v. The bias a0 has one more term, except in 6D contacts, if the contact's frames move relatively.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;
@@ -83,24 +84,24 @@ class AtRest {
       return d.W * rate;
     });
   }
-  /// Magnitudes of the terms of the bias acceleration: squared body velocities, equal for all rows of a contact.
+  /// Returns for each row the squared largest body velocity of its contact: the magnitude of the terms of Jdot v.
   Eigen::VectorXd bias_terms(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd {
       const double speed = std::max(d.vA.cwiseAbs().maxCoeff(), d.vB.cwiseAbs().maxCoeff());
       return Eigen::VectorXd::Constant(d.W.rows(), speed * speed);
     });
   }
-  /// Computes the x of least x^T M x among all x of least |J x - wanted|: [M J^T; J 0] [x; -f] = [0; wanted]. If an
-  /// island has no solution, its x is NaN; returns false. With damping: min x^T M x + |J x - wanted|^2 / damping.
+  /// Computes the x with least x^T M x among all x that minimise |J x - wanted|. A damping above 0 minimises x^T M x +
+  /// |J x - wanted|^2 / damping instead. If an island has no solution, its x is NaN; then returns false.
   bool least_motion(const Eigen::VectorXd& q, const Eigen::VectorXd& wanted, Eigen::VectorXd& x, double damping = 0) {
     scene_.damping = damping;
-    // a0 contains the placement errors, because alpha = 1; errors(q) cancels them
+    // a0 contains the placement errors, because alpha = 1; adding errors(q) cancels them
     const Status status = solve_tau(scene_, q, zero_, zero_, wanted + errors(q), data_).status;
     worst_ = std::max(worst_, status);
     x = data_.a;
     return status != Status::kFailed;
   }
-  /// Projects w on the null space of J^T, twice to remove the rounding errors of the first projection.
+  /// Returns the projection of w on the null space of J^T. A second projection removes rounding errors of the first.
   Eigen::VectorXd null_component(const Eigen::VectorXd& q, Eigen::VectorXd w) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {
@@ -109,15 +110,15 @@ class AtRest {
     }
     return w;
   }
-  /// An error E of J, |E| <= inaccuracy (inaccuracy_of), changes a vector n with J^T n = 0 by J^T dn = -E^T n. Returns
-  /// for each row the change of n for sum |n_k| = 1: the least-norm f with J^T f = E^T n. It is 0 if J is exact.
+  /// Returns how much an error E of J changes a vector n with J^T n = 0 and sum |n_k| = 1, per row. `inaccuracy` bounds
+  /// the entries of E per column (inaccuracy_of). The change is f with J^T f = E^T n for one E^T n of random signs.
   Eigen::VectorXd change_of_null(const Eigen::VectorXd& q, const Eigen::VectorXd& inaccuracy) {
     if (inaccuracy.isZero(0)) return Eigen::VectorXd::Zero(rows());
     const Eigen::VectorXd y = inaccuracy.cwiseProduct(mixed(inaccuracy.size(), 0).cwiseSign());
     (void)solve_tau(scene_, q, zero_, y, errors(q), data_);
     return data_.f;
   }
-  /// Projects v on the motions that the contacts allow, J v = 0; twice, to remove rounding errors.
+  /// Returns the projection of v on the motions with J v = 0. A second projection removes rounding errors of the first.
   Eigen::VectorXd allowed_part(const Eigen::VectorXd& q, Eigen::VectorXd v) {
     Eigen::VectorXd x;
     for (int pass = 0; pass < 2; ++pass) {
@@ -132,7 +133,8 @@ class AtRest {
     scene.gravity.setZero();
     drop_applied_forces(scene);
     scene.damping = 0;
-    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest is then e
+    // a0 at rest is then the placement error
+    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;
     return scene;
   }
   template <class Rows>

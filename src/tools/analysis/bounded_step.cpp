@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Calls act(column, a, b) for each pair of entries b <= a in every column of J.
+// Calls act(column, a, b) for each pair of positions b <= a of nonzeros in the same column of J.
 template <class Act>
 void each_pair(const Eigen::SparseMatrix<double>& J, Act&& act) {
   for (Eigen::Index j = 0; j < J.outerSize(); ++j)
@@ -48,7 +48,8 @@ void NormalMatrix::factorize(const Eigen::SparseMatrix<double>& J, const std::ve
     if (counts[j]) A_[at] += x[a] * x[b];
   });
   for (const int at : diagonal_) A_[at] += mu;
-  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // positive definite
+  // This cannot fail, because the matrix is positive definite.
+  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());
 }
 
 void NormalMatrix::solve(Eigen::VectorXd& y) {
@@ -57,8 +58,8 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = permuted_[iperm_[i]];
 }
 
-// Free coordinates: x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). Fixed coordinates
-// are at a bound; the gradient with respect to them is mu (J^T y + x), because J x + e = mu y.
+// The free coordinates are x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). The fixed
+// coordinates are at a bound. The gradient with respect to them is mu (J^T y + x), because J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
   constexpr int kFullExchanges = 3;  // rounds without progress after which only one wrong bound is exchanged at a time
@@ -91,7 +92,7 @@ void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::Vecto
       fewest = wrong.size(), patience = kFullExchanges;
     else
       --patience;
-    if (patience < 0) wrong = {wrong.back()};  // Murty's rule, which terminates
+    if (patience < 0) wrong = {wrong.back()};  // Murty's rule, with which the iteration terminates
     for (const Eigen::Index i : wrong) {
       if (free[i]) held[i] = x[i] < lower[i] ? lower[i] : upper[i];
       if (!free[i]) held[i] = 0;

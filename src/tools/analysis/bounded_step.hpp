@@ -1,5 +1,5 @@
 #pragma once
-// Solves min |J x + e|^2 + mu |x|^2 over lower <= x <= upper for a sparse J, whose pattern is equal in all solves.
+// Solves min |J x + e|^2 + mu |x|^2 over lower <= x <= upper for sparse J with the same pattern in all solves.
 
 #include <Eigen/SparseCore>
 
@@ -7,14 +7,14 @@
 
 namespace manycontact::internal {
 
-/// Sparse LDL factor of J J^T + mu 1 in a minimum-degree order, for all or for selected columns of J.
+/// A sparse LDL factor of J J^T + mu 1 in a minimum-degree order, where J has all or only selected columns.
 class NormalMatrix {
  public:
   explicit NormalMatrix(const Eigen::SparseMatrix<double>& J);
 
-  /// Factorizes J J^T + mu 1 for the columns j of J with counts[j] != 0.
+  /// Factorizes J_s J_s^T + mu 1, where J_s contains the columns j of J with counts[j] != 0.
   void factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu);
-  /// y <- (J J^T + mu 1)^-1 y
+  /// Replaces y by (J J^T + mu 1)^-1 y.
   void solve(Eigen::VectorXd& y);
 
  private:
@@ -22,7 +22,8 @@ class NormalMatrix {
   sparse::UpperCsc pattern_;
   sparse::LdlSymbolic symbolic_;
   sparse::LdlWorkspace work_;
-  std::vector<int> slot_, diagonal_;  // one entry per pair of entries in a column of J; one per row
+  // slot_: positions in A_, one per pair of nonzeros in a column of J; diagonal_: positions of the diagonal
+  std::vector<int> slot_, diagonal_;
   std::vector<double> A_, L_, D_;
   Eigen::VectorXd permuted_;
 };
@@ -31,7 +32,7 @@ class BoundedStep {
  public:
   explicit BoundedStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// Computes the minimum x. Requires mu > 0 and lower <= 0 <= upper; bounds may be infinite.
+  /// Computes the minimiser x. Requires mu > 0 and lower <= 0 <= upper; bounds may be infinite.
   void solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu, const Eigen::VectorXd& lower,
              const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

@@ -16,10 +16,10 @@ namespace manycontact {
 namespace {
 
 constexpr int kMostTries = 400;
-constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // damping of contacts, 1/kg
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // floor, least and most [1/kg]
 constexpr double kExact = 1e-14;  // placement errors below this, relative to 1 m + max |q|, are rounding errors
 
-// Returns a configuration near q: the coordinates of robots with active contacts are changed slightly.
+// Returns q with small changes in all coordinates of the robots that have active contacts.
 Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q) {
   const Eigen::VectorXd all = internal::kAside * internal::mixed(scene.nv, 0);
   Eigen::VectorXd dq = Eigen::VectorXd::Zero(scene.nv);
@@ -32,7 +32,7 @@ Eigen::VectorXd aside(const Scene& scene, const std::vector<char>& active, const
   return integrate(scene, q, dq);
 }
 
-// Moves q until the contacts' placement errors vanish or have a minimum. Returns the number of steps.
+// Moves q until the placement errors of the contacts vanish or are at a minimum. Returns the number of steps.
 int close_positions(const Scene& scene, const std::vector<char>& active, internal::AtRest& rest, Eigen::VectorXd& q) {
   int steps = 0;
   bool is_aside = false;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kMissed = 1e-8;  // contacts with smaller residuals, relative to the largest, are left out
 
-// Returns the residual J a + a0 + delta f of a contact (rows J, bias a0, damping delta).
+// Returns the residual J a + a0 + delta f of contact c.
 Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {
   const Contact& contact = scene.contacts[c];
   const ContactData<double>& rows = contact_data(scene, data, c);

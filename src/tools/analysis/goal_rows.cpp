@@ -17,7 +17,7 @@ using Mat3d = Mat3<double>;
 
 bool all(const Partial& x) { return x[0] && x[1] && x[2]; }
 
-// Returns Jlog3(w) with w = log3(R): to first order log3(R exp3(d)) = w + Jlog3(w) d.
+// Returns the derivative of log3: log3(R exp3(d)) = w + log3_derivative(w) d to first order, with w = log3(R).
 Mat3d log3_derivative(const Vec3d& w) {
   Vec6<double> xi = Vec6<double>::Zero();
   xi.tail<3>() = w;
@@ -32,14 +32,14 @@ Vec3d turning(const Vec3d& from, const Vec3d& to) {
   return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
 }
 
-// A rotation error: rows e, and the Jacobian of e with respect to the frame's angular velocity in the frame's axes.
+// A rotation error e, and its Jacobian with respect to the frame's angular velocity in the frame's axes.
 struct Turned {
   Eigen::VectorXd e;
   Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
-  double angle = 0;  // remaining angle
+  double angle = 0;  // angle of the rotation that remains to the goal [rad]
 };
 
-// Returns the errors of the prescribed angles among roll, pitch, yaw, and these angles' rates by angular velocity.
+// Returns the errors of the prescribed angles among roll, pitch and yaw, with their Jacobian.
 Turned by_angles(const Mat3d& R, const Partial& rpy) {
   constexpr double kLeastCosine = 1e-3;  // cosine of pitch below which roll and yaw are not defined
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));
@@ -71,7 +71,7 @@ Turned turned_from(const Mat3d& R, const Goal& goal) {
     out.e = w;
     out.of_spin = log3_derivative(w);
     out.angle = w.norm();
-  } else if (rpy[0] && rpy[1]) {  // error of the world's z axis, seen from the frame
+  } else if (rpy[0] && rpy[1]) {  // rotation error of the world's z axis, in the frame's axes
     const Vec3d wanted = rotation_of_rpy(*rpy[0], *rpy[1], 0).transpose().col(2);
     const Vec3d w = turning(R.transpose().col(2), wanted);
     const Eigen::Matrix<double, 2, 3> T = across(wanted);
@@ -90,7 +90,7 @@ RigidBodies bodies_of(const Scene& scene, int robot) {
 
 }  // namespace
 
-// Appends the rows of one goal to e_ and J_.
+// Appends the rows of one goal to the errors e_ and the Jacobian J_.
 struct GoalRows::Rows {
   GoalRows& to;
   bool with_jacobian;
@@ -246,7 +246,8 @@ void GoalRows::joint_rows(const Goal& goal, Rows& rows) {
   (joint.type == JointType::kPrismatic ? rows.left.position : rows.left.angle) = std::abs(off);
 }
 
-// Adds a contact's rows in its own axes. A 6D contact has p and log3(R) instead of log6, which vanish together.
+// Adds the rows of a contact goal, in the contact's axes. A 6D contact uses p and log3(R) instead of log6 of its
+// placement error (R, p); both vanish together.
 void GoalRows::contact_rows_of(const Goal& goal, Rows& rows) {
   const Contact& contact = scene_.contacts[goal.contact];
   const ContactSupport support = rows.with_jacobian ? contact_support(scene_, contact) : ContactSupport();

@@ -1,5 +1,5 @@
 #pragma once
-// Errors and Jacobian of goals (analysis/place.hpp), both scaled by the square root of each goal's weight.
+// Computes the errors and the Jacobian of goals (analysis/place.hpp), scaled by the square root of each goal's weight.
 
 #include <Eigen/SparseCore>
 #include <map>
@@ -16,9 +16,9 @@ class GoalRows {
   GoalRows(const Scene& scene, const std::vector<Goal>& goals);
 
   Eigen::VectorXd errors(const Eigen::VectorXd& q);
-  /// The Jacobian (rows x nv) at the q of the last call of errors. Its sparsity pattern is the same for all q.
+  /// Returns the Jacobian (rows x nv) at q of the last call of errors(). Its sparsity pattern is the same for all q.
   Eigen::SparseMatrix<double> jacobian();
-  /// The remaining error of each goal, without weights, at the q of the last call of errors.
+  /// Returns the remaining error of each goal, without weights, at the q of the last call of errors().
   const std::vector<GoalLeft>& left() const { return left_; }
 
  private:

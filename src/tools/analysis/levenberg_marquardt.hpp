@@ -17,8 +17,8 @@ struct Descent {
 
 constexpr double kProgress = 1e-10;  // least relative decrease of |e| for which a step counts as successful
 
-/// Moves q to a minimum of |e|. `errors(q)` returns e. `step(q, e, damping, dq)` computes dq, or returns false if there
-/// is none. `move(q, dq)` returns the next q. `ends(q, e)` returns whether to stop.
+/// Moves q to a minimum of |e|. errors(q) returns e. step(q, e, damping, dq) computes the step dq, or returns false if
+/// there is no step. move(q, dq) returns the next q. ends(q, e) returns whether to stop.
 template <class Errors, class Step, class Move, class Ends>
 Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::VectorXd& q, Errors&& errors, Step&& step,
                             Move&& move, Ends&& ends) {
@@ -41,11 +41,13 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-constexpr double kAside = 1e-3;  // m, rad: step off a saddle; also the least relative decrease of |e| to continue
-constexpr double kReach = 1;     // m, rad: longest step of a search from near a saddle, where J is nearly singular
+// kAside: step off a saddle [m, rad], and the relative decrease of |e| above which the search continues
+constexpr double kAside = 1e-3;
+// kReach: longest step of a search from near a saddle, where J is nearly singular [m, rad]
+constexpr double kReach = 1;
 
-/// Calls descend(q), which ends where |e| is stationary: a minimum, or a saddle such as straight knees. Then calls
-/// descend again from aside(q), a point nearby, as long as |e| decreases. size(q): |e|, or 0 if |e| counts as zero.
+/// Minimises |e|, and leaves saddles such as a straight knee. descend(q) moves q until |e| is stationary. As long as
+/// |e| decreases, descend is called again from aside(q), a point near q. size(q) returns |e|, or 0 if q is accepted.
 template <class Descend, class Aside, class Size>
 void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& size) {
   descend(q);
@@ -55,7 +57,7 @@ void off_saddles(Eigen::VectorXd& q, Descend&& descend, Aside&& aside, Size&& si
     descend(next);
     const double then = size(next);
     if (!(then < left)) break;
-    const bool same = then > (1 - kAside) * left;  // not a better minimum, only closer to it
+    const bool same = then > (1 - kAside) * left;  // the same minimum, only more accurately
     left = then;
     q = next;
     if (same) break;

@@ -13,7 +13,7 @@ std::string to_string(LimitKind quantity) {
 
 namespace {
 
-// Whether x exceeds a limit by more than rounding errors, relative to the limit and to `range` if `range` is finite.
+// Returns whether x exceeds `limit` by more than a rounding error: 1e-9 times the larger of |limit| and a finite range.
 bool beyond(double x, double limit, double range) {
   return x > limit + 1e-9 * std::max(std::abs(limit), std::isfinite(range) ? range : 0);
 }

@@ -22,7 +22,7 @@ namespace {
 
 bool is_nothing(const Inertia<double>& Y) { return Y.m == 0 && Y.h.isZero(0) && Y.I.isZero(0); }
 
-// Whether all inertias and armatures in the subtree of joint i are zero.
+// Returns whether all inertias and armatures in the subtree of joint i are zero.
 bool nothing_below(const Model& model, int i) {
   for (int j = i; j < model.subtree_end[i]; ++j) {
     const Joint& joint = model.joints[j];
@@ -31,7 +31,7 @@ bool nothing_below(const Model& model, int i) {
   return true;
 }
 
-// Returns the property that a joint lacks if it moves without resistance: mass, moment of inertia, ...
+// Returns the missing property if a joint moves without resistance: mass, moment of inertia, ...
 std::string lacking(JointType type) {
   switch (type) {
     case JointType::kPrismatic:

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Returns ", q most of all of r/knee, by 0.1" for what = "q"; "" if x is below the rounding of numbers in files.
+/// Returns ", q most of all of r/knee, by 0.1" for what = "q", or "" if all |x| are below kPlacementError.
 inline std::string moved_most(const std::string& what, const std::vector<std::string>& names,
                               const Eigen::VectorXd& x) {
   Eigen::Index k = 0;

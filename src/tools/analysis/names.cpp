@@ -18,7 +18,8 @@ const Frame* nearest_frame(const Model& model, int joint, const Vec3<double>& po
   return nearest;
 }
 
-// Names numbered items. More than kMostNeighbours consecutive items with together(...) are named "first .. last".
+// Returns names of the numbered items. Runs of more than kMostNeighbours consecutive numbers for which together(...) is
+// true are abbreviated as "first .. last".
 template <class Name, class Together>
 std::vector<std::string> in_runs(const std::vector<int>& numbers, Name&& name, Together&& together) {
   std::vector<std::string> names;

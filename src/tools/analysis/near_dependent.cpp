@@ -19,12 +19,12 @@ namespace {
 constexpr double kMostUnasked = 1e9;  // largest nv nc^2 of an island that is examined
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// Whether an island's rows are examined: the island is undamped, solved, and not too large.
+// Returns whether an island's rows are examined: the island must be undamped, solved, and not too large.
 bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
 }
-// Computes the gap of one island.
+// Returns the gap of one island between the remainders of its independent and dependent rows.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
@@ -43,7 +43,8 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   return out;
 }
 
-// Changes a solution a, f to that without `rows`: finds accelerations of the rows for which their forces are zero.
+// Changes a solution a, f to the solution without `rows`: it finds accelerations of these rows that make their forces
+// zero.
 void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
                Eigen::VectorXd& f) {
   const auto m = static_cast<Eigen::Index>(rows.size());

@@ -6,7 +6,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns how far x may move along p within the bounds, at most `most`. stopped: the coordinate at its bound, or -1.
+// Returns the largest alpha <= most for which x + alpha p is within the bounds. Sets `stopped` to the coordinate that
+// reaches its bound, or to -1.
 double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Eigen::VectorXd& lower,
                     const Eigen::VectorXd& upper, double most, Eigen::Index& stopped) {
   stopped = -1;
@@ -20,7 +21,7 @@ double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Ei
 
 }  // namespace
 
-// Computes z = (J^T J + mu 1)^-1 r = (r - J^T (J J^T + mu 1)^-1 J r) / mu in the free coordinates.
+// Computes z = (J^T J + mu 1)^-1 r in the free coordinates, as (r - J^T (J J^T + mu 1)^-1 J r) / mu.
 void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, const Eigen::VectorXd& r,
                               Eigen::VectorXd& z) {
   z = r;
@@ -33,11 +34,12 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
     if (!free_[i]) z[i] = 0;
 }
 
-// H is the Hessian and g the gradient at x = 0. With r = -(g + H x) the model decreases by (r - g)^T x / 2.
+// Below, H is the Hessian, g the gradient at x = 0, and r = -(g + H x). The quadratic model decreases by
+//     (r - g)^T x / 2
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
   constexpr double kDifference = 1e-6;  // step of finite differences [rad, m]; relative error of Hessian products
-  constexpr double kSolved = 1e-3;      // the iteration ends if the residual, relative to g, is below this
+  constexpr double kSolved = 1e-3;      // the iteration ends if |r| is below this, relative to |g|
   const Eigen::Index n = J.cols();
   const Eigen::VectorXd g = gradient(Eigen::VectorXd::Zero(n));
   Eigen::VectorXd r = -g, z, p, Hp;

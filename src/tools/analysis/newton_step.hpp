@@ -8,9 +8,9 @@
 
 namespace manycontact::internal {
 
-/// A Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates not at a limit.
-/// Hessian products are finite differences of J^T e; the preconditioner is J^T J + |e| 1. A coordinate that reaches its
-/// limit remains there. A direction of negative curvature is followed up to a limit.
+/// Computes a Newton step by conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20, 1983) in the coordinates that are
+/// not at a limit. Hessian products are finite differences of J^T e. The preconditioner is J^T J + |e| 1. A coordinate
+/// that reaches its limit remains there. A direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
   /// gradient(dq) returns J^T e at q (+) dq.
@@ -18,7 +18,7 @@ class NewtonStep {
 
   explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 
-  /// Computes the step x within finite bounds. Returns the decrease of |e|^2 / 2 that the quadratic model predicts.
+  /// Computes the step x. Bounds must be finite. Returns the decrease of |e|^2 / 2 that the quadratic model predicts.
   double solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x);
 

@@ -86,7 +86,7 @@ void check(const Scene& scene, const Goal& goal) {
   }
 }
 
-// Returns q with random joint positions, within limits, for the robots that the search moves, and unchanged bases.
+// Returns q with random joint positions within limits for the robots that the search moves. Bases remain unchanged.
 Eigen::VectorXd elsewhere(const Scene& scene, const internal::PlaceSearch& search, Eigen::VectorXd q,
                           std::mt19937& generator) {
   const Eigen::VectorXd random = random_configuration(scene, generator);

@@ -31,7 +31,7 @@ std::string owner(const ScenePose& pose) {
   return (pose.center_of_mass ? "the pose of the centre of mass of " : "the pose of ") + quote(pose.name);
 }
 
-// Throws InputError for the goal with the largest error. line: the line of consistent="true", for contacts.
+// Throws InputError for the goal with the largest error. line: the line of consistent="true", reported for contacts.
 [[noreturn]] void refuse(const std::vector<ScenePose>& poses, const std::vector<Goal>& goals, const PlacedScene& found,
                          const std::string& file, int line) {
   const std::vector<GoalLeft>& left = found.left;
@@ -58,11 +58,11 @@ std::vector<internal::Leaning> leaning(const Scene& scene, const Eigen::VectorXd
   return out;
 }
 
-// Finds a configuration in which the robots of `lean` do not tip over: near q, with their feet at the distances of q,
-// otherwise near a configuration found from their balance alone. Returns none if the goals do not permit balance.
+// Returns a configuration in which the robots of `lean` balance, if there is one. First keeps the feet at the relative
+// positions that they have in q; if this fails, only balance and `goals` are required.
 std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd& q, std::vector<Goal> goals,
                                        const std::vector<internal::Leaning>& lean) {
-  constexpr double kLittle = 1e-3;  // weight of goals that keep the posture, weak compared with the other goals
+  constexpr double kLittle = 1e-3;  // weight of goals that keep the joint angles, small compared with the other goals
   const auto add = [](std::vector<Goal>& to, std::vector<Goal> more) { to.insert(to.end(), more.begin(), more.end()); };
   for (const internal::Leaning& robot : lean) goals.push_back(internal::standing_goal(scene, robot));
   std::vector<Goal> as_before = goals;
@@ -75,8 +75,8 @@ std::optional<Eigen::VectorXd> upright(const Scene& scene, const Eigen::VectorXd
   return std::nullopt;
 }
 
-// Finds from q a configuration that meets the poses and closes the contacts. If robots would tip over there, and the
-// poses allow it, finds another one in which they balance. standing: flags of the contacts that support robots.
+// Returns a configuration that meets the poses and closes the contacts, found from q. If robots would tip over in this
+// configuration, one in which they balance is preferred. standing: flags of the contacts that support robots.
 Eigen::VectorXd placed(const Scene& scene, const Eigen::VectorXd& q, const std::vector<ScenePose>& poses,
                        const std::vector<bool>& closed, const std::vector<bool>& standing, int restarts,
                        const std::string& file, int line) {
@@ -119,7 +119,7 @@ void place(SceneFile& file) {
 
 void place_references(TaskFile& task) {
   const SceneFile& file = task.scene;
-  // Contacts placed by the scene: those active from the start, and those that a phase closes with at_scene.
+  // Flags of the contacts that the scene places: those active from the start, and those of phases with at="scene".
   std::vector<bool> held(file.scene.contacts.size(), true), before = held;
   const auto find = [&](TaskPhase& phase) {
     for (std::size_t c = 0; c < held.size(); ++c) {

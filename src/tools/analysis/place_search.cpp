@@ -36,7 +36,7 @@ void CoordinateLimits::of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, E
     if (moved_by[i] >= 0) low[moved_by[i]] = lower[i] - q[i], high[moved_by[i]] = upper[i] - q[i];
 }
 
-// Whether all goals are met: errors up to the tolerance, or up to rounding errors of positions as large as q, are zero.
+// Returns whether all goals are met, up to the tolerance or to the rounding errors of positions as large as q.
 bool PlaceSearch::exact(const Eigen::VectorXd& q, const Eigen::VectorXd& e) const {
   const double rounding = 4 * std::numeric_limits<double>::epsilon() * (q.size() ? 1 + q.cwiseAbs().maxCoeff() : 1);
   return e.size() == 0 || e.cwiseAbs().maxCoeff() <= std::max(options_.tolerance, rounding);
@@ -102,7 +102,7 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
 
 // Takes Newton steps within a box (trust region) of equal size in radians and metres.
 int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
-  constexpr double kPoor = 0.25, kGood = 0.75;  // the box shrinks or grows if actual / expected decrease is outside
+  constexpr double kPoor = 0.25, kGood = 0.75;  // outside these ratios of actual to expected decrease, the box changes
   int tries = 0;
   double radius = 1;
   Eigen::VectorXd e = rows_.errors(q), dq;

@@ -9,11 +9,12 @@
 
 namespace manycontact::internal {
 
-/// Limits of the coordinates of q (infinite: no limit), and for each the coordinate of v that moves only it, or -1.
+/// Limits of q (infinite if there are none). moved_by: per entry of q, the velocity coordinate that moves only it, or
+/// -1.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
-  /// Computes the bounds low, high (nv) of a step from q.
+  /// Computes the bounds low and high (nv) of a step dq from q.
   void of_step(const Eigen::VectorXd& q, Eigen::VectorXd& low, Eigen::VectorXd& high) const;
 
   Eigen::VectorXd lower, upper;
@@ -26,14 +27,14 @@ class PlaceSearch {
   PlaceSearch(const Scene& scene, const std::vector<Goal>& goals, const PlaceOptions& options)
       : scene_(scene), options_(options), limits_(scene), rows_(scene, goals) {}
 
-  /// Moves q to a local minimum of |e|; returns |e| there, or 0 if every goal is met.
+  /// Moves q to a local minimum of |e|. Returns |e| at the minimum, or 0 if every goal is met.
   double run(Eigen::VectorXd& q);
   bool met(double left) const { return left == 0; }
-  /// Number of steps tried in all runs.
+  /// Returns the number of steps tried in all runs.
   int tries() const { return tries_; }
-  /// Whether the last run ended because it ran out of steps.
+  /// Returns whether the last run ended because it reached the largest number of steps.
   bool out_of_steps() const { return out_of_steps_; }
-  /// Whether a goal depends on a robot's coordinates; call it after a run.
+  /// Returns whether a goal depends on the robot's coordinates. Requires a run.
   bool moves(int robot) const;
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
 
@@ -54,7 +55,7 @@ class PlaceSearch {
   bool out_of_steps_ = false;
   double reach_ = std::numeric_limits<double>::infinity();  // bound of the entries of a Gauss-Newton step
   Eigen::SparseMatrix<double> J_;
-  Eigen::VectorXd of_, low_, high_;  // the q at which J_ was computed; bounds of a step from this q
+  Eigen::VectorXd of_, low_, high_;  // q at which J_ was computed; bounds of a step from this q
   std::optional<BoundedStep> bounded_;
   std::optional<NewtonStep> newton_;
 };

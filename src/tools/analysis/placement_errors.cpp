@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the angle between the axes of A and B' (6D), or between the hinge axes (5D); 0 for points.
+// Returns the angle between the axes of A and B (6D) or between the hinge axes (5D), and 0 for other contacts.
 double angle_between(const Contact& contact, const Mat3<double>& G) {
   if (contact.type == ContactType::k6D) return log3<double>(G).norm();
   if (contact.type != ContactType::k5D) return 0;

@@ -11,12 +11,13 @@ namespace manycontact {
 namespace {
 
 constexpr int kRankProbes = 2;
-constexpr double kNoChange = 1e-8;   // smaller values of B(z, y), relative to its terms, are rounding errors
-constexpr int kFactors = 3;          // number of factors of B(z, y), each of which an error of J may change
+constexpr double kNoChange = 1e-8;   // smaller values of n^T dJ[z] y, relative to its terms, are rounding errors
+constexpr int kFactors = 3;          // number of factors of n^T dJ[z] y, each of which an error of J may change
 constexpr double kNoMotion = 1e-9;   // smaller projections, relative to the projected vector, count as no motion
 constexpr double kMostLooked = 1e5;  // largest contacts times coordinates for which RankChange::coordinate is found
 
-// Test vectors for all islands at once: n in the null space of J^T, z an allowed motion, y any motion.
+// Test vectors for all islands at once: n_ in the null space of J^T, z_ an allowed motion, y_ any motion. dJ[z] is the
+// derivative of J in the direction z; the rank of J changes where n^T dJ[z] y is not zero.
 class Probe {
  public:
   Probe(const Scene& scene, const SceneData& data, const Eigen::VectorXd& q, internal::AtRest& rest, int number)
@@ -49,8 +50,8 @@ class Probe {
     }
     return out;
   }
-  // Returns for each island the coordinate that contributes most to n^T dJ[z] z in a singular configuration, otherwise
-  // the coordinate of the largest entry of n^T dJ[z]. Pass k examines coordinate k of all islands at once.
+  // Returns for each island the coordinate that contributes most to n^T dJ[z] z if the configuration is singular,
+  // otherwise the coordinate of the largest entry of n^T dJ[z]. Step k examines the k-th coordinate of all islands.
   std::vector<int> coordinates(const std::vector<std::size_t>& islands) const {
     std::vector<std::vector<int>> of(islands.size());
     std::size_t most = 0;
@@ -102,7 +103,8 @@ class Probe {
   const SceneData& data_;
   const Eigen::VectorXd& q_;
   internal::AtRest& rest_;
-  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;  // zz_: dJ[z] z; plus_, minus_: J' v of z + y, z - y
+  // zz_: dJ[z] z; plus_ and minus_: Jdot v for v = z + y and for v = z - y
+  Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation: a second or two
+constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation, which takes a second or two
 constexpr int kMostThresholds = 4;   // most trial values of RowRemainders::dependent
 constexpr double kSamePoint = 1e-9;  // points closer than this, relative to the extent of all points, coincide
 
@@ -31,7 +31,7 @@ struct Examined {
   const ContactData<double>& numbers(int position) const {
     return contact_data(scene, data, island.contacts[position]);
   }
-  /// Positions of all contacts in the island; empty if the island is too deep for rows in joint space.
+  /// Returns the positions of all contacts in the island, or nothing if the island is too deep to store J explicitly.
   std::vector<int> all() const {
     std::vector<int> out(island.contacts.size());
     std::iota(out.begin(), out.end(), 0);
@@ -41,8 +41,8 @@ struct Examined {
   }
 };
 
-// Returns J^T of some contacts of an island, only coordinates that they act on, with each row of J relative to its
-// size. Remainders up to tolerance::kRank count as zero.
+// Returns J^T of some contacts of an island, restricted to the coordinates that they act on. Each row of J is divided
+// by its scale, so that remainders up to tolerance::kRank count as zero.
 Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   std::map<int, int> column;  // key: column of the island; value: column of the result
   int rows = 0;
@@ -66,7 +66,8 @@ Eigen::MatrixXd rows_of(const Examined& x, const std::vector<int>& positions) {
   return Jt;
 }
 
-// Returns the norm of each column of J^T orthogonal to earlier columns whose norm is above `dependent` (Gram-Schmidt).
+// Returns the norm of each column of J^T after projection on the complement of the earlier independent columns
+// (Gram-Schmidt). A column is independent if this norm is above `dependent`.
 std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   std::vector<double> left;
   Eigen::MatrixXd Q(Jt.rows(), std::min(Jt.rows(), Jt.cols()));
@@ -81,13 +82,13 @@ std::vector<double> remainders_of(const Eigen::MatrixXd& Jt, double dependent) {
   return left;
 }
 
-// Whether the last solve determined the rank of an island: undamped, and not failed.
+// Returns whether the last solve determined the rank of an island: it must be undamped, and not failed.
 bool has_rank(const Scene& scene, const IslandReport& report) {
   return scene.damping == 0 && report.status != Status::kFailed;
 }
 
-// Returns the remainders of an island's rows. The solver tests pivots of K instead, and may keep a row below
-// tolerance::kRank or drop a row above: `dependent` is chosen such that equally many rows are independent.
+// Returns the remainders of an island's rows. The solver tests pivots of K instead, and may retain a row below
+// tolerance::kRank or drop one above it. `dependent` is chosen such that as many rows are independent as in the solver.
 internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& report, const Eigen::MatrixXd& Jt) {
   internal::RowRemainders out;
   out.left = remainders_of(Jt, out.dependent);
@@ -107,14 +108,14 @@ internal::RowRemainders remainders_of(const Scene& scene, const IslandReport& re
   return out;
 }
 
-// Returns the number of diagonal entries above `least` in a pivoted QR of J^T.
+// Returns the rank of J^T: the number of diagonal entries above `least` in a QR factor with column pivoting.
 int rank_of(const Eigen::MatrixXd& Jt, double least) {
   if (Jt.size() == 0) return 0;
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(Jt);
   return static_cast<int>((qr.matrixR().diagonal().array().abs() > least).count());
 }
 
-// Returns for each pair of bodies the contacts between them, as positions in the island.
+// Returns for each pair of bodies the contacts between them, as positions in island.contacts.
 std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& scene, const Island& island) {
   std::map<std::pair<Body, Body>, std::vector<int>> sorted;
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -125,7 +126,7 @@ std::map<std::pair<Body, Body>, std::vector<int>> sort_by_bodies(const Scene& sc
   return sorted;
 }
 
-// Returns the contact points on body A, one per contact; none if a contact has its frame A on body B.
+// Returns the contact points on body A, one per contact, or nothing if the frame A of a contact is on body B.
 std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   std::vector<Vec3<double>> points;
   for (int c : pair.contacts) {
@@ -192,7 +193,8 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// Returns the contact type with fewest rows at the same frame and of the same rank. least: remainder that is not zero.
+// Returns the contact type with the fewest rows that has the same rank at the same frame. least: smallest remainder of
+// an independent row.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };
@@ -218,14 +220,14 @@ std::string kept_as(const Contact& contact, const std::vector<int>& rows) {
   return text::join(names);
 }
 
-// Whether all dependent rows are those of contacts between two bodies, which the solver finds without testing pivots.
+// Returns whether all dependent rows are between the same two bodies; the solver finds these without testing pivots.
 bool depends_in_pairs_alone(const SceneData& data, std::size_t number) {
   const SceneData& solved = data_solved(data);
   const IslandReport& report = solved.report.islands[number];
   return &solved != &data && report.status <= Status::kRedundant && report.rank == report.nc;
 }
 
-// Sets known, rank and redundant. Returns the remainder above which rows are independent.
+// Sets known, rank and redundant. Returns the remainder above which a row counts as independent.
 double rank_all(const Examined& x, std::size_t number, const std::vector<int>& all, IslandRanks& out) {
   const IslandReport& report = x.data.report.islands[number];
   if (depends_in_pairs_alone(x.data, number)) {

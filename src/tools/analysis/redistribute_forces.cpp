@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-/// The part of the null-space basis N that belongs to an island: the island's rows of f, and N in these rows.
+/// The part of the null-space basis N of J^T that belongs to an island: the rows of f, and N in these rows.
 struct IslandBasis {
   std::vector<int> rows;
   Eigen::MatrixXd N;
@@ -23,7 +23,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& W) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(W).householderQ() * Eigen::MatrixXd::Identity(W.rows(), W.cols());
 }
 
-/// Projects column k of every island's N on the null space, by one motion of the scene at rest.
+/// Projects column k of every island's N on the null space of J^T, in one solve of the scene at rest.
 void project_column(internal::AtRest& rest, const ConstVectorRef& q, int k, std::vector<IslandBasis>& bases) {
   Eigen::VectorXd w = Eigen::VectorXd::Zero(rest.rows());
   for (const IslandBasis& basis : bases)
@@ -33,8 +33,8 @@ void project_column(internal::AtRest& rest, const ConstVectorRef& q, int k, std:
     if (k < basis.N.cols()) basis.N.col(k) = w(basis.rows);
 }
 
-/// Computes bases of all islands with redundant rows from projected and orthonormalised mixed vectors. The second pass
-/// removes rounding errors that the first orthonormalisation amplified.
+/// Computes null-space bases for all islands with redundant rows by projection and orthonormalisation of test vectors.
+/// The second pass removes rounding errors that the first orthonormalisation amplified.
 std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, const SceneData& data) {
   std::vector<IslandBasis> bases;
   int most = 0;
@@ -48,7 +48,7 @@ std::vector<IslandBasis> bases_of(const Scene& scene, const ConstVectorRef& q, c
     most = std::max(most, n);
   }
   if (bases.empty()) return bases;
-  Scene in_newtons = scene;  // moment_length 1 makes the projection orthogonal in the units of f
+  Scene in_newtons = scene;  // moment_length 1 gives an orthogonal projection in the units of f
   in_newtons.moment_length = 1;
   internal::AtRest rest(in_newtons, internal::active_of(data), data.options);
   for (int pass = 0; pass < 2; ++pass) {
@@ -63,7 +63,7 @@ void expect_solved(const char* function, const Scene& scene, const ConstVectorRe
   expect_configuration(function, "q", q, scene);
 }
 
-/// Returns x, or n times `otherwise` if x is empty.
+/// Returns x, or a vector of n entries `otherwise` if x is empty.
 Eigen::VectorXd given(const char* name, const Eigen::VectorXd& x, Eigen::Index n, double otherwise) {
   if (x.size() == 0) return Eigen::VectorXd::Constant(n, otherwise);
   if (x.size() != n)

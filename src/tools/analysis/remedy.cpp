@@ -6,7 +6,7 @@ namespace {
 
 struct Remedy {
   Status status;
-  Reason reason;  // kNone: any reason
+  Reason reason;  // kNone means any reason
   const char* text;
 };
 

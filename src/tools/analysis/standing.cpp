@@ -35,7 +35,7 @@ std::vector<Point> hull(std::vector<Point> points) {
   return out;
 }
 
-// Returns the distance of the point c from the polygon; 0 if c is inside.
+// Returns the distance of the point c from the convex polygon; 0 if c is inside.
 double outside(const Point& c, const std::vector<Point>& polygon) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = polygon.size() > 2;
@@ -50,17 +50,17 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
   return inside ? 0 : nearest;
 }
 
-// Contacts of a robot with the ground.
+// The contacts of a robot with the ground.
 struct Ground {
   bool told = true;    // whether the robot is supported only by contacts with the ground
-  bool soles = false;  // whether a 6D contact without a box exists: its area is unknown
+  bool soles = false;  // whether there is a 6D contact without a box, whose area is unknown
   std::vector<Attachment> feet;
   std::vector<Point> corners;
   double height = 0;  // mean height of the feet
 };
 
 void stand_on(const Contact& contact, const SE3<double>& A, Ground& ground) {
-  constexpr double kUpright = 0.7;  // least z of a ground contact's normal; with less, the contact is with a wall
+  constexpr double kUpright = 0.7;  // least z of a ground contact's normal; contacts with a smaller z are with walls
   const Mat3<double> B = contact.B.placement.R;
   if (contact_normal(contact, A.R, B)[2] < kUpright) ground.told = false;
   ground.feet.push_back(contact.A);

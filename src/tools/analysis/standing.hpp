@@ -14,14 +14,15 @@ struct Leaning {
   std::vector<Attachment> feet;
 };
 
-/// Lists leaning robots among those with a floating base that only contacts with the ground, flagged `active`, support.
-/// Gravity must be along the world's -z. A 6D contact without a box is assumed to be as large as a foot.
+/// Returns the leaning robots among those with a floating base that are supported only by ground contacts. `active`
+/// flags the contacts. Returns none unless gravity is along the world's -z. A 6D contact without a box is a foot.
 std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q);
 
-/// Return goals: the centre of mass is above the middle of the feet; the feet keep the horizontal distances of q.
+/// standing_goal returns the goal that the centre of mass is above the middle of the feet. stance_goals returns goals
+/// that keep the feet at their horizontal positions of q relative to each other.
 Goal standing_goal(const Scene& scene, const Leaning& robot);
 std::vector<Goal> stance_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q);
-/// Goals that keep the robot's joints and the axes of its base as at q, each with the given weight.
+/// Returns goals that keep the joints and the orientation of the robot's base as in q, each with the given weight.
 std::vector<Goal> posture_goals(const Scene& scene, const Leaning& robot, const ConstVectorRef& q, double weight);
 
 }  // namespace manycontact::internal

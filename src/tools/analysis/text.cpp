@@ -23,7 +23,7 @@ std::string join(const std::vector<std::string>& names, std::size_t most, const 
 
 std::string number(double x, int digits) {
   if (std::isnan(x)) return "nan";
-  const bool whole = std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7;  // no exponent such as 1.2e+04
+  const bool whole = std::abs(x) >= std::pow(10.0, digits) - 0.5 && std::abs(x) < 1e7;  // no exponent as in 1.2e+04
   char text[400];
   std::snprintf(text, sizeof text, whole ? "%.*f" : "%.*g", whole ? 0 : digits, x == 0 ? 0.0 : x);
   return text;

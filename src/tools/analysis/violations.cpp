@@ -36,7 +36,7 @@ class AxesOf {
   internal::MotionOf kin_;
 };
 
-// The normal and tangential force of a contact with a friction coefficient.
+// The normal and tangential force of a contact.
 struct Pressure {
   double normal = 0, tangential = 0;
   Vec6<double> in_foot = Vec6<double>::Zero();  // 6D contacts: force and moment in A's axes
@@ -56,7 +56,7 @@ Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
   return out;
 }
 
-// Returns the excess of m_z over friction at the corners of a box (half sides X, Y): tau_min <= m_z <= tau_max with
+// Returns by how much m_z exceeds the friction at the corners of a box: tau_min <= m_z <= tau_max must hold with
 //   tau_min = -mu (X + Y) n + |Y f_x - mu m_x| + |X f_y - mu m_y|
 //   tau_max =  mu (X + Y) n - |Y f_x + mu m_x| - |X f_y + mu m_y|
 double excess_torque(const double* f, double mu, double X, double Y) {
@@ -66,7 +66,7 @@ double excess_torque(const double* f, double mu, double X, double Y) {
   return std::max(low - f[5], f[5] - high);
 }
 
-// Returns for each robot the larger of its largest linear contact force and its load: the scale of rounding errors.
+// Returns for each robot the larger of its load and its largest linear contact force, the scale of rounding errors.
 std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f, const std::vector<int>& f_offset,
                                    const Eigen::VectorXd& loads) {
   std::vector<double> largest(loads.begin(), loads.end());

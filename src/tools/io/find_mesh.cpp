@@ -14,7 +14,7 @@ bool is_file(const fs::path& path) {
   return fs::is_regular_file(path, error);
 }
 
-// Folders that may contain packages.
+// Returns the folders that may contain ROS packages: those above the URDF file, and those of ROS_PACKAGE_PATH.
 std::vector<fs::path> package_folders(const std::string& urdf) {
   std::vector<fs::path> folders;
   std::error_code error;

@@ -5,7 +5,7 @@
 namespace manycontact {
 namespace {
 
-// Returns "FILE:LINE: message" with blanks instead of control characters, which names in the input may contain.
+// Returns "FILE:LINE: message". Control characters, which names in the input may contain, become blanks.
 std::string one_line(const std::string& file, int line, const std::string& message) {
   std::string text = file + ":" + std::to_string(line) + ": " + message;
   for (char& c : text)

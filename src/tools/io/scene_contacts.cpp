@@ -6,10 +6,10 @@
 namespace manycontact::io {
 namespace {
 
-/// A <contact> element; `contact` contains the data that all its copies share.
+/// The content of a <contact> element. Copies of the contact share the data in `contact`.
 struct ContactElement {
   Contact contact;
-  SE3<double> A_offset, B_offset;  // B_offset is in the world if there is no `to`
+  SE3<double> A_offset, B_offset;  // B_offset is in world axes if there is no `to`
   EndPair ends;
   bool position_given = false, orientation_given = false;
 };
@@ -81,7 +81,7 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
       contact.B = c.ends.B.on(target, c.B_offset);
-    else if (contact.normal)  // a normal in world axes rotates with the copy's base
+    else if (contact.normal)  // the normal is in world axes, and rotates with the copy's base
       contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);

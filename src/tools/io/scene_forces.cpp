@@ -16,7 +16,7 @@ SE3<double> offset(const Element& e, const char* attribute) {
   return at;
 }
 
-// Returns the element's name, followed by the copy's number if `copied`; `otherwise` if the element has no name.
+// Returns the element's name, or `otherwise` if it has no name. If `copied`, the number of the copy is appended.
 std::string name_of(const Element& e, const std::string& otherwise, bool copied, int copy) {
   if (!e.has("name")) return otherwise;
   const std::string name = e.not_empty("name");

@@ -1,5 +1,5 @@
 #pragma once
-// The steps of read_scene in order: robots (models, copies, state), contacts, external wrenches, springs, poses.
+// Steps of read_scene, in their order: robots (models, copies, state), contacts, external wrenches, springs, poses.
 
 #include <map>
 #include <memory>
@@ -20,11 +20,11 @@ struct SceneElements {
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
 
-/// Adds an element's name to `names`. Throws InputError for a duplicate. what: kind of element, for the message.
+/// Adds an element's name to `names`. Throws InputError for a duplicate. what: the kind of element, for the message.
 void add_name(const Element& e, const std::string& what, const std::string& name,
               std::unordered_map<std::string, Where>& names);
 
-/// Calls `add`; rethrows its std::invalid_argument as an InputError at the element.
+/// Calls add(). If it throws std::invalid_argument, throws an InputError at the element instead.
 template <class Add>
 void add_or_fail(const Element& e, Add&& add) {
   try {
@@ -41,56 +41,58 @@ struct RobotElement {
   Element element;
   RobotGroup group;
   UrdfOptions options;
-  bool gravity_torques = false;           // u="gravity"
+  // Whether the element has u="gravity".
+  bool gravity_torques = false;
   std::map<std::string, Element> joints;  // <joint> children by joint name
   std::map<std::string, Element> locks;   // <lock> children by joint name
 };
 
-/// Configuration, velocity and torques of one robot, before `arrange` moves copies.
+/// Configuration, velocity and torques of one robot, before the attribute `arrange` moves the copies.
 struct RobotState {
   Eigen::VectorXd q, v, u;
 };
 
-/// Reads the state from xyz, rpy, <q>, <v>, <u>, <joint>, u="gravity".
+/// Reads the state of a robot from xyz, rpy, <q>, <v>, <u>, <joint> and u="gravity".
 RobotState read_state(const RobotElement& robot, const Model& model);
 
-/// Reads xyz and rpy of <robot>.
+/// Reads the placement of a robot's base from the attributes xyz and rpy of <robot>.
 SE3<double> read_base(const Element& robot);
 
-/// Adds all robots to the scene, with q, v, u (NaN for u="gravity").
+/// Adds all robots to the scene, with q, v, u. For u="gravity", u is NaN.
 void add_robots(const std::vector<Element>& elements, SceneFile& out);
 
 /// One end of a contact or spring: "robot/link", "copies/link" for all copies, or "copies+k/link" for shifted copies.
 struct End {
   int first = -1;        // the robot, or the first copy
   int count = 1;         // number of copies
-  bool copied = false;   // whether the name means all copies
+  bool copied = false;   // whether the name refers to all copies
   bool shifted = false;  // whether the name has +k or -k
-  long long shift = 0;   // k: copy i of the other end is paired with copy i + k
+  // The k of +k or -k: copy i of the other end is paired with copy i + k.
+  long long shift = 0;
   Frame frame;
 
-  /// The attachment to the frame on a robot, with an offset in the frame's axes.
+  /// Returns the attachment to `frame` on the robot, displaced by `offset` in the frame's axes.
   Attachment on(int robot, const SE3<double>& offset) const {
     return {robot, frame.joint, frame.placement * offset, frame.name};
   }
 };
 
-/// The two ends of a contact or a spring: attributes `frame` (A) and `to` (B, if given), with equal numbers of copies.
+/// The two ends of a contact or a spring: A from the attribute `frame`, and B from `to` if it is given.
 struct EndPair {
   End A, B;
   bool to_robot = false, wrap = false;
-  /// The robot of B that is paired with copy i of A; nullopt if there is none.
+  /// Returns the robot of B that is paired with copy i of A, or nullopt if there is none.
   std::optional<int> target(int i) const;
 };
 
-/// Looks up "robot/link", "copies/link" and "copies+k/link" in a scene with all its robots.
+/// Looks up frames named "robot/link", "copies/link" or "copies+k/link". The scene must contain all its robots.
 class EndReader {
  public:
   explicit EndReader(const SceneFile& scene);
 
-  /// Reads the end in a required attribute.
+  /// Reads the end that a required attribute names.
   End read(const Element& e, const char* attribute);
-  /// Reads an attribute without +k and -k; a copied robot's name means all copies.
+  /// Reads the end that a required attribute names without +k or -k. The name of a copied robot refers to all copies.
   End read_first(const Element& e, const char* attribute);
   /// Reads the attributes frame, to and wrap.
   EndPair read_pair(const Element& e);
@@ -106,25 +108,25 @@ class EndReader {
   std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
 };
 
-/// Adds all contacts; out.q must be complete.
+/// Adds all contacts. out.q must be complete.
 void add_contacts(const std::vector<Element>& elements, SceneFile& out);
 
-/// Adds all external wrenches, springs between points and springs in joints; out.q must be complete.
+/// Adds all external wrenches, springs between points and springs in joints. out.q must be complete.
 void add_wrenches(const std::vector<Element>& elements, SceneFile& out);
 void add_springs(const std::vector<Element>& elements, SceneFile& out);
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 
-/// Adds the poses of a <pose> element, one per copy.
+/// read_pose adds the poses of one <pose> element, one per copy; add_poses adds those of all elements.
 void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out);
 void add_poses(const std::vector<Element>& elements, SceneFile& out);
 
-/// Reads the attribute reference_frame; `local` if it is missing.
+/// Reads the attribute reference_frame, which is `local` if missing.
 ReferenceFrame read_reference_frame(const Element& e);
 
 /// Normalises a quaternion x, y, z, w. Throws InputError if its norm differs from 1 by more than 1e-6.
 void normalise_quaternion(const Where& where, const std::string& what, Eigen::Ref<Eigen::Vector4d> quat);
 
-/// Reads a rotation from an attribute x y z w; returns false if it is missing.
+/// Reads a rotation from an attribute "x y z w". Returns false if the attribute is missing.
 bool read_quaternion(const Element& e, const char* attribute, Mat3<double>& R);
 
 }  // namespace manycontact::io

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kMostCopies = 1000000;
 
-// Returns the <joint> or <lock> children by joint name. Throws InputError if a joint occurs twice.
+// Returns the children named `child` (<joint> or <lock>) by joint name. Throws InputError if a joint occurs twice.
 std::map<std::string, Element> by_joint(const Element& robot, const char* child, const char* key) {
   std::map<std::string, Element> out;
   for (const Element& e : robot.children(child)) {
@@ -63,7 +63,7 @@ void read_options(const Element& e, RobotElement& robot) {
   }
 }
 
-// Reads a <robot> element. A relative URDF path starts in the folder of the element's file.
+// Reads a <robot> element. A relative URDF path is relative to the folder of the scene file.
 RobotElement read_robot(const Element& e) {
   e.allow({"name", "urdf", "base", "xyz", "rpy", "armature", "mimic", "inertia", "dynamics", "u", "copies", "arrange",
            "spacing", "root"},
@@ -91,7 +91,7 @@ RobotElement read_robot(const Element& e) {
   return robot;
 }
 
-// Models by file and options: robots with equal file and options share one model.
+// A cache of models by file and options, so that robots with the same file and options share one model.
 class ModelCache {
  public:
   // Returns the robot's model. Findings are added once for all robots that share a model.
@@ -123,7 +123,7 @@ class ModelCache {
   }
 
  private:
-  std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: path
+  std::map<std::string, std::vector<std::pair<UrdfOptions, std::shared_ptr<const Model>>>> models_;  // key: the path
 };
 
 struct Arrangement {
@@ -136,7 +136,7 @@ struct Arrangement {
     if (kind == 0) {
       translation = Vec3<double>(i * spacing, 0, 0);
     } else if (kind == 1) {
-      // the distance of neighbours, a chord, is spacing = 2 r sin(pi / n)
+      // spacing is the distance of neighbours on the circle, a chord: spacing = 2 r sin(pi / n)
       const double radius = count > 1 ? spacing / (2 * std::sin(std::numbers::pi / count)) : 0;
       yaw = 2 * std::numbers::pi * i / count;
       translation = Vec3<double>(radius * std::cos(yaw), radius * std::sin(yaw), 0);
@@ -155,12 +155,13 @@ Arrangement read_arrangement(const Element& e, int count) {
   return out;
 }
 
-// Moves q of a floating base by a translation and a yaw.
+// Moves the configuration q of a floating base by a rotation by yaw about the world's z, and then by a translation.
 void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) {
   if (yaw != 0) {
     const double s = std::sin(yaw / 2), c = std::cos(yaw / 2);
     q.head<3>() = rotation_about<double>(Vec3<double>::UnitZ(), yaw) * q.head<3>();
-    const Eigen::Vector4d p = q.segment<4>(3);  // (0, 0, s, c) p
+    // The product of the quaternions (0, 0, s, c) and p, in the order x, y, z, w.
+    const Eigen::Vector4d p = q.segment<4>(3);
     q.segment<4>(3) << c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3], c * p[3] - s * p[2];
   }
   q.head<3>() += translation;
@@ -212,7 +213,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
   }
 }
 
-// Whether a robot's name could also mean a neighbour among copies: "herd-1" if there are copies of herd.
+// Returns whether a robot's name could also mean a neighbouring copy, as "herd-1" does if `herd` is a copied robot.
 bool is_neighbour(const std::string& name, const std::set<std::string>& copied) {
   const std::size_t sign = name.rfind('-');
   return sign != std::string::npos && sign + 1 < name.size() &&

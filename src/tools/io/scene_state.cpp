@@ -34,7 +34,7 @@ SE3<double> read_base(const Element& robot) {
 
 namespace {
 
-// A part of the state: its letter, the number of values per joint, and the index of a joint's first value.
+// A part of the state: its letter, the number of values per joint, and the index of the first value of a joint.
 struct Quantity {
   const char* letter;
   int (*count)(const Joint&);
@@ -75,7 +75,7 @@ class StateReader {
     element.where("name").fail(no_joint(model_, name));
   }
 
-  // Fills x from the child <q> (<v>, <u>) or from attributes of <joint>. Returns whether a floating base is included.
+  // Fills x from the child <q> (<v>, <u>) or from attributes of <joint>. Returns whether the floating base was given.
   bool read_quantity(const Quantity& what, Eigen::VectorXd& x) {
     const bool floating = model_.floating_base;
     const auto whole = robot_.element.child(what.letter);

@@ -8,7 +8,7 @@ namespace manycontact::io {
 
 namespace {
 
-// Reads n numbers, which may be "inf" or "-inf"; all are `otherwise` if the attribute is missing.
+// Reads n numbers, which may be "inf" or "-inf". If the attribute is missing, all n are `otherwise`.
 Eigen::VectorXd read_bound(const Element& e, const char* attribute, int n, double otherwise) {
   if (!e.has(attribute)) return Eigen::VectorXd::Constant(n, otherwise);
   const std::string text = e.required(attribute);

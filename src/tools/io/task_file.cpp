@@ -24,10 +24,10 @@ namespace {
 
 constexpr int kMostNodes = 1000000;
 
-// <push> is an alias of <wrench>.
+// Returns whether an element changes an external wrench. <push> is an alias of <wrench>.
 bool is_wrench(const Element& e) { return e.name() == "wrench" || e.name() == "push"; }
 
-// Reads <cost> and <constraint> children; names must be unique in each phase.
+// Reads <cost> and <constraint> children, whose names must be unique in each phase.
 void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& phase) {
   std::map<std::string, int> names;
   for (const Element& child : e.children()) {
@@ -41,7 +41,7 @@ void read_terms(const Element& e, bool terminal, TermReader& reader, TaskPhase& 
   }
 }
 
-// Returns the indices of the external wrenches called `name`: one wrench, or the wrenches of all copies.
+// Returns the indices of the external wrenches called `name`: one wrench, or the wrenches of all copies of an element.
 std::vector<int> wrenches_called(const Scene& scene, const std::string& name) {
   if (const auto found = scene.wrench_index.find(name); found != scene.wrench_index.end()) return {found->second};
   std::vector<int> out;
@@ -75,7 +75,8 @@ void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   }
 }
 
-// Reads whether contacts close with an impact; they must be open in the phase before, which is null for the first.
+// Reads whether contacts close with an impact. At least one contact must close: be open in the phase `before` (null for
+// the first phase) and active in `phase`.
 void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
   phase.impact = e.flag("impact", false);
   if (!phase.impact) return;

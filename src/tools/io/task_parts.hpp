@@ -1,5 +1,5 @@
 #pragma once
-// The steps of read_task: terms, then the phases that contain them.
+// Steps of read_task, in their order: terms, then the phases that contain them.
 
 #include "manycontact/io/task_file.hpp"
 #include "scene_parts.hpp"
@@ -11,7 +11,7 @@ class TermReader {
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 
-  /// Reads a term of a phase with the contacts flagged `active`. terminal: whether the phase is the terminal node.
+  /// Reads a cost or constraint of a phase with the contacts flagged `active`, or, if `terminal`, of the terminal node.
   TaskTerm read(const Element& e, const std::vector<bool>& active, bool terminal);
   /// Returns the indices of the scene's contacts called `name`: one contact, or all copies of a contact.
   std::vector<int> contacts(const Where& where, const std::string& what, const std::string& name) const;
@@ -31,9 +31,9 @@ class TermReader {
 /// Throws InputError for attributes that only other residuals have.
 void check_attributes(const Element& e, TaskResidual residual);
 
-/// Whether an attribute, such as `frame` or `contact`, belongs to a residual.
+/// Returns whether a residual has an attribute, such as `frame` or `contact`.
 bool takes(TaskResidual residual, const char* attribute);
-/// The number of rows of a residual; 0 if it depends on the robot or the contact.
+/// Returns the number of rows of a residual, or 0 if this number depends on the robot or the contact.
 int fixed_rows(TaskResidual residual);
 TaskResidual read_residual(const Element& e);
 void read_activation(const Element& e, TaskTerm& term);

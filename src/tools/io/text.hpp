@@ -1,5 +1,5 @@
 #pragma once
-// Reading files and numbers, independent of the locale.
+// Functions that read files and numbers, independently of the locale.
 
 #include <string>
 #include <string_view>
@@ -10,30 +10,30 @@
 
 namespace manycontact::io {
 
-/// A position in a file for error messages. `file` must outlive it.
+/// A position in a file, for error messages. The string `file` must outlive it.
 struct Where {
   const std::string* file;
   int line;
   [[noreturn]] void fail(const std::string& message) const { throw InputError(*file, line, message); }
 };
 
-/// Reads a whole file; on failure returns "" and fills `problem` with the reason.
+/// Returns the content of a file. On failure returns "" and sets `problem` to the reason.
 std::string read_file(const std::string& path, std::string& problem);
 
-/// Reads a whole file; on failure throws InputError, which reports that `what` was expected.
+/// Returns the content of a file. On failure throws InputError, whose message states that `what` was expected.
 std::string read_file_of(const std::string& path, const std::string& what);
 
-/// Returns why `path` cannot be opened for reading, or "". With only_regular, devices and pipes, which may be endless,
-/// are refused: for paths in files.
+/// Returns why `path` cannot be opened for reading, or "". only_regular also refuses devices and pipes, which may be
+/// endless; it is for paths that are given in files.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
 /// Decodes the bytes of the file `path` according to its byte order mark or declaration: UTF-8 (the default), UTF-16,
-/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Line breaks are kept. Throws InputError, with the line, for other
-/// encodings, invalid bytes, and references such as &#0; or &#xD800; to no XML character. Comments are not decoded and
-/// may contain any bytes.
+/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Throws InputError, with the line, for other encodings, invalid
+/// bytes, and references such as &#0; or &#xD800; that denote no XML character. Keeps line breaks. Does not decode
+/// comments, which may contain any bytes.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
-/// Returns the shortest decimal that reads back as x.
+/// Returns the shortest decimal number that reads back as x.
 std::string show(double x);
 
 /// Splits `text` at white space.
@@ -41,7 +41,7 @@ std::vector<std::string_view> words(std::string_view text);
 
 /// Parses one finite number. what: the number's name in error messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);
-/// Parses one number; "inf", "-Infinity" and numbers beyond 1.8e308 are infinite.
+/// Parses one number. "inf", "-Infinity" and numbers beyond 1.8e308 yield an infinity.
 double parse_number_or_infinity(const Where& where, const std::string& what, std::string_view text);
 /// Parses any count of finite numbers, separated by white space.
 std::vector<double> parse_numbers(const Where& where, const std::string& what, std::string_view text);

@@ -19,7 +19,7 @@ using io::UrdfJoint;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Silences urdfdom by removing its output handler: urdfdom would use names from the file as printf formats.
+// Silences urdfdom while it exists. urdfdom would use names from the file as printf formats in its messages.
 class Silence {
  public:
   Silence() : lock_(mutex()) { console_bridge::noOutputHandler(); }
@@ -65,11 +65,11 @@ Vec3<double> axis_of(const urdf::Joint& joint) {
   return axis / axis.stableNorm();
 }
 
-// Returns the smallest rotation from the z axis to the unit vector a (about x if a = -z).
+// Returns the smallest rotation from the z axis to the unit vector a. If a = -z, the rotation is about x.
 Mat3<double> rotation_from_z(const Vec3<double>& a) {
   const double s2 = a.x() * a.x() + a.y() * a.y();
   if (s2 == 0) return a.z() > 0 ? Mat3<double>::Identity() : Mat3<double>(Vec3<double>(1, -1, -1).asDiagonal());
-  const Vec3<double> v(-a.y(), a.x(), 0);  // z x a
+  const Vec3<double> v(-a.y(), a.x(), 0);  // z x a (cross product)
   const double k = a.z() > 0 ? 1 / (1 + a.z()) : (1 - a.z()) / s2;
   const Mat3<double> V = skew<double>(v);
   return Mat3<double>::Identity() + V + k * V * V;
@@ -88,7 +88,7 @@ JointType type_of(const urdf::Joint& joint) {
   }
 }
 
-// Sets the joint's limits from the file's; by default there are no limits.
+// Sets the limits of the joint `out` to those of the file. Without `details` there are no limits.
 void set_limits(Joint& out, const UrdfJoint& details = {}) {
   const auto all = [&](double x) { return Eigen::VectorXd::Constant(out.nv(), x); };
   out.lower = all(details.lower);
@@ -97,13 +97,13 @@ void set_limits(Joint& out, const UrdfJoint& details = {}) {
   out.effort_limit = all(details.effort);
 }
 
-// The placement of a link's frame on a joint's body; joint -1: the immovable base.
+// The placement of a link's frame on the body of a joint. joint = -1 means the fixed base.
 struct Place {
   int joint = -1;
   SE3<double> placement;
 };
 
-// Builds a Model from urdfdom's tree, depth first, merging links on fixed and locked joints.
+// Builds a Model from urdfdom's tree in depth-first order. Links on fixed and locked joints are merged.
 class Builder {
  public:
   Builder(const urdf::ModelInterface& robot, const UrdfOptions& options, const std::string& path, UrdfDetails& details)
@@ -113,7 +113,8 @@ class Builder {
     model_.name = robot_.getName();
     model_.floating_base = options_.floating_base;
     check_locks();
-    std::vector<Step> stack{{&root_link()}};  // no recursion: a chain of links may be longer than the call stack
+    // A stack replaces recursion, because a chain of links could overflow the call stack.
+    std::vector<Step> stack{{&root_link()}};
     while (!stack.empty()) {
       const Step step = stack.back();
       stack.pop_back();
@@ -125,7 +126,8 @@ class Builder {
       if (const urdf::Joint* joint = step.link->parent_joint.get(); joint && joint != step.joint)
         stack.push_back({robot_.getLink(joint->parent_link_name).get(), joint, place, true});
       std::sort(stack.begin() + static_cast<std::ptrdiff_t>(first), stack.end(),
-                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });  // pop takes the last step
+                // The order is descending, because the loop takes the last step first.
+                [](const Step& a, const Step& b) { return a.joint->name > b.joint->name; });
     }
     for (int i = 0; i < model_.njoints(); ++i) judge(i);
     set_passive();
@@ -141,7 +143,7 @@ class Builder {
   }
 
  private:
-  // A step over a joint from a link that has a Place to another link. backwards: from the child link to its parent.
+  // A step over a joint to `link`, from a link placed at `from`. backwards: from the joint's child link to its parent.
   struct Step {
     const urdf::Link* link;
     const urdf::Joint* joint = nullptr;  // null for the root
@@ -168,8 +170,9 @@ class Builder {
     return {append(std::move(base), link), {}};
   }
 
-  // A joint moves its child by T(q) in the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent =
-  // oMchild T(q)^-1 X^-1, where T(q)^-1 is the motion by q about or along -axis.
+  // Adds the joint of a step to the model and returns the place of the reached link. A joint moves its child by T(q) in
+  // the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is
+  // the motion by q about or along -axis.
   Place cross(const Step& step) {
     const urdf::Joint& joint = *step.joint;
     const Place& parent = step.from;
@@ -196,7 +199,8 @@ class Builder {
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
                      ", expected a root on this side of it");
     SE3<double> link = behind;
-    if (out.type == JointType::kPlanar) {  // z of the joint frame becomes the plane's normal, not that of the link
+    // The z axis of the joint frame becomes the plane's normal; the link's frame does not change.
+    if (out.type == JointType::kPlanar) {
       link.R = rotation_from_z(axis_of(joint)).transpose();
       out.placement.R = at.R * link.R.transpose();
     } else if (out.type != JointType::kFloating) {
@@ -301,7 +305,7 @@ class Builder {
     }
   }
 
-  // Throws UrdfOptionError. joint: the joint that the option names, or "".
+  // Throws UrdfOptionError. joint: the joint that the option names, or "" if it names none.
   [[noreturn]] static void refuse(const std::string& joint, const std::string& what) {
     throw UrdfOptionError(joint, false, what);
   }
@@ -319,7 +323,7 @@ class Builder {
     return i;
   }
 
-  // Sets Joint::actuated. A floating joint of the file has no motors by default; options.actuated overrides it.
+  // Sets Joint::actuated. Floating joints of the file are passive unless options.actuated contains them.
   void set_passive() {
     for (int i = model_.floating_base ? 1 : 0; i < model_.njoints(); ++i) {
       Joint& joint = model_.joints[i];
@@ -385,9 +389,9 @@ class Builder {
   const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
-  UrdfDetails& details_;  // the builder adds to its findings
+  UrdfDetails& details_;  // the builder appends findings
   Model model_;
-  std::vector<std::string> body_link_;  // link of each joint's body
+  std::vector<std::string> body_link_;  // name of each joint's body
 };
 
 }  // namespace
@@ -396,7 +400,7 @@ Model load_urdf(const std::string& path, const UrdfOptions& options, std::vector
   io::XmlFile file(path, io::read_file_of(path, "a URDF file"), "robot");
   UrdfDetails details = io::check_urdf(file.root());
   const urdf::ModelInterfaceSharedPtr robot = parse(file, details);
-  // urdfdom's links own their children. Unlink releases the links one by one: recursion could overflow the stack.
+  // The links of urdfdom own their children. Unlink releases them singly, because recursion could exhaust the stack.
   struct Unlink {
     urdf::ModelInterface& robot;
     ~Unlink() {

@@ -24,7 +24,7 @@ Element required_child(const Element& parent, const char* name, const std::strin
 int line_of(int line) { return line; }
 int line_of(const UrdfJoint& joint) { return joint.line; }
 
-// Returns the required name of an element, and refuses an empty or duplicate one.
+// Returns the required name of an element. Throws InputError for an empty or duplicate name.
 template <class Known>
 std::string check_name(const Element& e, Known& known) {
   const std::string name = e.not_empty("name");
@@ -42,7 +42,7 @@ void tell(const Element& e, const char* kind, const std::string& name, const std
 
 void add_to(std::string& list, const std::string& item) { list += (list.empty() ? "" : ", ") + item; }
 
-// Checks a link. Missing numbers of its inertia are zero.
+// Checks a link. Missing numbers of its inertia are reported and become zeros.
 void check_link(const Element& link, UrdfDetails& details) {
   const std::string name = check_name(link, details.link);
   const auto inertial = link.child("inertial");
@@ -75,7 +75,8 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Returns the bound in an attribute. If the bound is missing or unsound, returns `none`, with the reason in `told`.
+// Returns the bound that an attribute gives. If the bound is missing or not sound, returns `none` and adds the reason
+// to `told`.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
@@ -84,7 +85,8 @@ double sound_limit(const Element& limit, const char* attribute, bool is_sound(do
   return none;
 }
 
-// Reads limits. Infinite, negative, crossed or missing limits are ignored. A single missing bound is 0, as in URDF.
+// Reads limits. Infinite, negative, crossed or missing limits are reported and ignored, where only effort and velocity
+// can be negative. If only one of lower and upper is given, the other is 0, as in URDF.
 void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vector<Finding>& findings) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const std::string name = joint.required("name");
@@ -166,14 +168,14 @@ Edge check_joint(const Element& joint, UrdfDetails& details) {
 // Checks that there is one root, one parent for every other link, and no cycle.
 void check_tree(const Element& robot, const UrdfDetails& details, const std::vector<Edge>& edges) {
   const auto at_line = [&robot](int line) { return Where{robot.where().file, line}; };
-  std::unordered_map<std::string, const Edge*> above;  // key: the child link
+  std::unordered_map<std::string, const Edge*> above;  // key: name of the child link; value: the joint above it
   for (const Edge& e : edges) {
     const auto [at, is_new] = above.emplace(e.child, &e);
     if (!is_new)
       at_line(e.line).fail("link " + quote(e.child) + " is the child of joint " + quote(e.joint) + " and of joint " +
                            quote(at->second->joint) + ", expected a tree");
   }
-  std::unordered_map<std::string, int> seen;  // key: link; value: walk that reached it first
+  std::unordered_map<std::string, int> seen;  // key: link; value: number of the path from which it was first reached
   std::string root;
   int walk = 0;
   for (const Element& link : robot.children("link")) {

@@ -1,6 +1,6 @@
 #pragma once
-// Checks of a URDF file that urdfdom omits: line numbers, invalid numbers, links that form no tree, unusual limits, and
-// ignored elements. For example, urdfdom ignores an <inertial> that it cannot read, and continues with zeros.
+// Checks of a URDF file that urdfdom omits: invalid numbers, links that form no tree, unusual limits, and ignored
+// elements, each reported with its line. For example, urdfdom continues with zeros if it cannot read an <inertial>.
 
 #include <limits>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace manycontact::io {
 
-/// A joint's line, and attributes that urdfdom refuses if they are infinite or incomplete.
+/// The line of a joint, and attributes that urdfdom refuses if they are infinite or incomplete.
 struct UrdfJoint {
   int line = 1;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
@@ -25,14 +25,14 @@ struct UrdfDetails {
   int robot = 1;                              // line of <robot>
   std::unordered_map<std::string, int> link;  // lines of links
   std::unordered_map<std::string, UrdfJoint> joint;
-  std::vector<Finding> findings;  // unusual but usable input, and how it is used
+  std::vector<Finding> findings;  // unusual but usable input, with its interpretation
 };
 
-/// Checks a robot. Throws InputError unless links and joints form one tree with usable numbers.
+/// Checks a robot element of URDF. Throws InputError unless its links and joints form one tree with usable numbers.
 UrdfDetails check_urdf(const Element& robot);
 
 /// Returns the file's text reduced to the elements that urdfdom must read, without limits, shapes, materials and
-/// plug-ins. Missing numbers of inertias become zeros, because urdfdom requires them. Changes the document of `file`.
+/// plug-ins. Missing numbers of inertias become zeros, because urdfdom requires them. Modifies the document of `file`.
 std::string text_for_urdfdom(XmlFile& file);
 
 /// Problems of a moving body's inertia, each "" if there is none. A text continues "link x and the merged links have".
@@ -41,14 +41,14 @@ struct InertiaVerdict {
   std::string odd;      // principal moments that violate the triangle inequality; they are used as given
 };
 
-/// Checks the inertia Y, about any origin, of a body and all links merged into it. Massless bodies and rotors about one
-/// axis are allowed. Merged links are not checked alone: Talos' gripper motors violate the inequality by 1.3 %.
+/// Checks the inertia Y, about any origin, of a body with all links merged into it. Massless bodies and rotors about
+/// one axis are allowed. Merged links are not checked individually, because Talos' gripper motors would fail by 1.3 %.
 InertiaVerdict judge_inertia(const Inertia<double>& Y);
 
-/// Throws InputError for elements of xacro. In shapes and colours, tell_unread reports them instead.
+/// Throws InputError for elements of xacro, except in shapes and colours, where tell_unread reports them.
 void refuse_xacro(const Element& robot);
 
-/// Reports ignored elements and attributes that affect the motion: loops, gears, springs, misspelt names.
+/// Reports ignored elements and attributes that affect the motion, such as loops, gears, springs and misspelt names.
 void tell_unread(const Element& robot, std::vector<Finding>& findings);
 
 }  // namespace manycontact::io

@@ -17,7 +17,8 @@ void keep(tinyxml2::XMLNode& node, const std::set<std::string>& wanted) {
   }
 }
 
-// Puts single spaces between numbers of attributes: urdfdom fails on tabs, line breaks or several spaces.
+// Replaces white space between the numbers of attributes by single blanks. urdfdom fails on tabs, line breaks or
+// several blanks.
 void tidy_numbers(tinyxml2::XMLElement& e) {
   std::vector<std::pair<std::string, std::string>> tidied;
   for (const auto* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -28,7 +29,7 @@ void tidy_numbers(tinyxml2::XMLElement& e) {
   for (const auto& [name, value] : tidied) e.SetAttribute(name.c_str(), value.c_str());
 }
 
-// Returns the first child `name`, which is created if there is none.
+// Returns the first child called `name`, and creates it if there is none.
 tinyxml2::XMLElement& first_child(tinyxml2::XMLElement& parent, const char* name) {
   if (auto* found = parent.FirstChildElement(name)) return *found;
   return *parent.InsertNewChildElement(name);
@@ -82,7 +83,8 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  robot.Accept(&printer);  // omits the XML declaration: its encoding would be wrong for this UTF-8 text
+  // The output omits the XML declaration, whose encoding would be wrong for this UTF-8 text.
+  robot.Accept(&printer);
   return printer.CStr();
 }
 

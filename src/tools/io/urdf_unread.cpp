@@ -1,4 +1,4 @@
-// Elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Ignored elements
+// Finds elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Elements
 // that affect the motion, or may affect it, are reported.
 
 #include <map>
@@ -12,7 +12,7 @@ namespace {
 
 using Names = std::set<std::string, std::less<>>;
 
-// Returns the name without namespace: "gear_ratio" for "drake:gear_ratio".
+// Returns a name without its namespace, such as "gear_ratio" for "drake:gear_ratio".
 std::string local_name(const std::string& name) { return name.substr(name.rfind(':') + 1); }
 
 // Calls visit(element) for every descendant of e.
@@ -24,7 +24,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Combines findings of similar elements into one finding at the first of these elements.
+// Combines findings of similar elements into one finding, reported at the first of these elements.
 class Unread {
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
@@ -33,7 +33,7 @@ class Unread {
     findings_.push_back({"unread", name, text, *e.where().file, e.line()});
   }
 
-  // Counts an ignored element or attribute `what`. The finding reports its first line and the number of repetitions.
+  // Counts an ignored element or attribute, described by `what`. The finding has the first line and the number of them.
   void count(const Element& e, const std::string& name, const std::string& what, const std::string& because = "") {
     const auto [at, is_first] = counted_.emplace(what, Counted{findings_.size(), 0, because});
     if (is_first) tell(e, name, {});
@@ -79,7 +79,8 @@ void look_into_gazebo(const Element& gazebo, Unread& unread) {
   each_inside(gazebo, [&](const Element& e) {
     const std::string name = local_name(e.name());
     if (name == "joint" && e.has("type"))
-      tell_constraint(e, unread);  // a joint of SDF, which closes a loop
+      // <joint> of SDF, which closes a loop
+      tell_constraint(e, unread);
     else if (name == "springStiffness" || name == "spring_stiffness" || name == "springReference")
       unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint has no spring here");
   });
@@ -100,7 +101,7 @@ void look_into_transmission(const Element& transmission, Unread& unread) {
   });
 }
 
-// Counts children of `parent` that are neither read nor harmless, and repetitions of children that are read once.
+// Reports children of `parent` that are neither read nor harmless, and repetitions of children of which one is read.
 void look_at_children(const Element& parent, const std::string& owner, const Names& read, const Names& harmless,
                       Unread& unread) {
   Names seen;
@@ -150,7 +151,7 @@ void look_at_joint(const Element& joint, Unread& unread) {
     unread.count(*joint.child("limit"), owner, "<limit> of a " + type + " joint");
 }
 
-// Returns the prefixes that the file declares for xacro's namespace.
+// Returns the prefixes that the file declares for the namespace of xacro.
 Names xacro_prefixes(const Element& robot) {
   Names prefixes = {"xacro"};
   for (const std::string& attribute : robot.attributes())
@@ -159,14 +160,14 @@ Names xacro_prefixes(const Element& robot) {
   return prefixes;
 }
 
-// Whether an element is one of xacro's, which xacro should have replaced.
+// Returns whether an element belongs to xacro, which should have replaced it.
 bool is_xacro(const Element& e, const Names& prefixes) {
   const std::string name = e.name();
   const std::size_t colon = name.find(':');
   return colon != std::string::npos && prefixes.count(name.substr(0, colon)) > 0;
 }
 
-// Whether an element is a shape or a colour, which do not affect the motion.
+// Returns whether an element is a shape or a colour, which do not affect the motion.
 bool is_only_seen(const Element& e) {
   const std::string name = e.name();
   return name == "visual" || name == "collision" || name == "material";

@@ -30,7 +30,7 @@ std::optional<Colour> colour_of(const io::Element& parent, const Colours& named)
   return found == named.end() ? std::nullopt : std::optional<Colour>(found->second);
 }
 
-// Reads a shape; returns false if it is not a shape of URDF 1.0.
+// Reads a shape into `out`. Returns false if it is not a shape of URDF 1.0.
 bool read_shape(const io::Element& geometry, Visual& out) {
   const auto inside = geometry.child();
   const std::string name = inside ? inside->name() : "";

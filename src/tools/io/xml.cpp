@@ -21,7 +21,7 @@ bool among(const char* name, std::initializer_list<const char*> known) {
   return std::ranges::any_of(known, [&](const char* k) { return std::strcmp(k, name) == 0; });
 }
 
-// Attributes of scene files, and the names of these attributes in other formats, for hints in errors.
+// Attributes of scene and task files, and names of the same attributes in other formats, for hints in error messages.
 constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction friction_coefficient "},
                                                            {"frame", " link body frame1 parent "},
                                                            {"to", " frame2 body2 child target "},
@@ -45,7 +45,8 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// Returns the known attribute that `name` means, in another format or as a beginning ("quat" of "quat_xyzw"); or null.
+// Returns the known attribute that `name` means: its name in another format, or its beginning ("quat" for "quat_xyzw").
+// Returns null if there is none.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;

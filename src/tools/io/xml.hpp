@@ -1,5 +1,5 @@
 #pragma once
-// XML files and elements with their line numbers. No other header uses tinyxml2's types.
+// Classes for XML files and their elements with line numbers. No other header uses the types of tinyxml2.
 
 #include <tinyxml2.h>
 
@@ -23,11 +23,11 @@ class Element {
   std::string name() const { return element_->Name(); }
   int line() const { return element_->GetLineNum(); }
   Where where() const { return {file_, line()}; }
-  /// The line of an attribute (an element may span several lines); the element's line if the attribute is missing.
+  /// Returns the line of an attribute (an element may span several lines), or the element's line if it is missing.
   Where where(const char* attribute) const;
   [[noreturn]] void fail(const std::string& message) const { where().fail(message); }
 
-  /// Throws InputError for an attribute's value, at the attribute's line, with the message label(attribute) + what.
+  /// Throws InputError for the value of an attribute, at its line, with the message label(attribute) + what.
   [[noreturn]] void refuse(const char* attribute, const std::string& what) const {
     where(attribute).fail(label(attribute) + what);
   }
@@ -44,26 +44,26 @@ class Element {
 
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
   std::vector<std::string> attributes() const;
-  /// Returns an attribute's text; fails if it is missing.
+  /// Returns the text of an attribute. Throws InputError if it is missing.
   std::string required(const char* attribute) const;
-  /// Returns an attribute's text; fails if it is missing or empty. what: expected content, for the message.
+  /// Returns the text of an attribute. Throws InputError if it is missing or empty. what: expected content.
   std::string not_empty(const char* attribute, const char* what = "a name") const;
   std::string optional(const char* attribute, const std::string& otherwise) const;
-  /// The index of an attribute's text among `choices`; `otherwise` if it is missing (-1: fails).
+  /// Returns the index of an attribute's text among `choices`, or `otherwise` if it is missing (-1: throws InputError).
   int choice(const char* attribute, std::initializer_list<const char*> choices, int otherwise) const;
   bool flag(const char* attribute, bool otherwise) const {
     return choice(attribute, {"false", "true"}, otherwise) == 1;
   }
   double number(const char* attribute, double otherwise) const;
   double number_from_0(const char* attribute, double otherwise) const;
-  /// A number above 0; required unless `otherwise` is given. what: expected content, for the message.
+  /// Returns a number above 0. The attribute is required unless `otherwise` is given. what: expected content.
   double positive(const char* attribute, std::optional<double> otherwise = {}, const char* what = "a number") const;
-  /// A required whole number from `least` to `most`.
+  /// Returns a required whole number from `least` to `most`.
   int count(const char* attribute, int least, int most) const;
   double required_number(const char* attribute) const;
-  /// A number or an infinity ("-Inf", "1e999"), as in limits.
+  /// Returns a number or an infinity ("-Inf", "1e999"), as limits may have, or `otherwise` if the attribute is missing.
   double number_or_infinity(const char* attribute, double otherwise) const;
-  /// Exactly n numbers, or none if the attribute is missing.
+  /// Returns exactly n numbers, or nullopt if the attribute is missing.
   template <std::size_t n>
   std::optional<std::array<double, n>> numbers(const char* attribute) const {
     if (!has(attribute)) return {};
@@ -72,7 +72,7 @@ class Element {
     std::copy(list.begin(), list.end(), out.begin());
     return out;
   }
-  /// Reads the numbers of an attribute into `out`; returns false and leaves `out` unchanged if it is missing.
+  /// Reads the numbers of an attribute into `out`. Returns false and leaves `out` as it is if the attribute is missing.
   template <int n>
   bool read(const char* attribute, Eigen::Matrix<double, n, 1>& out) const {
     const auto list = numbers<static_cast<std::size_t>(n)>(attribute);
@@ -83,10 +83,10 @@ class Element {
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));
   }
-  /// Returns the text inside, without comments. Throws InputError if there are elements inside.
+  /// Returns the text inside the element, without comments. Throws InputError if there are elements inside.
   std::string text() const;
 
-  /// The first child element called `name`, or all such children; nullptr: children with any name.
+  /// child returns the first child element called `name`, and children all of them. nullptr means any name.
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 

@@ -26,7 +26,7 @@ void append_utf8(std::uint32_t c, std::string& out) {
   }
 }
 
-// Normalises the name of an encoding: "ISO-8859-1" and "iso8859_1" are equal.
+// Returns the name of an encoding in normal form, in which "ISO-8859-1" and "iso8859_1" are equal.
 std::string plain_name(std::string_view name) {
   std::string out;
   for (const char c : name)
@@ -74,7 +74,7 @@ std::string decode_bytes(std::string_view bytes, std::uint32_t (*character)(unsi
   return out;
 }
 
-// Converts UTF-16 to UTF-8. Lone surrogates are kept: the later check of characters reports their line.
+// Converts UTF-16 to UTF-8. Unpaired surrogates are kept; the later check of characters reports their line.
 std::string decode_utf16(std::string_view bytes, bool big_endian) {
   const auto unit = [&](std::size_t i) {
     const auto first = static_cast<unsigned char>(bytes[i]), second = static_cast<unsigned char>(bytes[i + 1]);
@@ -92,13 +92,13 @@ std::string decode_utf16(std::string_view bytes, bool big_endian) {
   return out;
 }
 
-// Whether XML 1.0 allows the character (production 2).
+// Returns whether XML 1.0 allows the character (production 2).
 bool is_xml_character(std::uint32_t c) {
   return c == 0x9 || c == 0xA || c == 0xD || (c >= 0x20 && c < 0xD800) || (c >= 0xE000 && c < 0xFFFE) ||
          (c >= 0x10000 && c < 0x110000);
 }
 
-// A UTF-8 character, and its length in bytes; length 0 if the bytes are not a valid character.
+// A UTF-8 character and its length in bytes. The length is 0 if the bytes are not a valid character.
 struct Decoded {
   std::uint32_t character = 0;
   std::size_t length = 0;
@@ -115,11 +115,12 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point per length in bytes
+  // Least code point of a character of each length in bytes.
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
-// Scans the text once, and refuses characters that XML forbids and references to them.
+// Scans the text once. Throws InputError for characters that XML forbids, and for references to them.
 class Characters {
  public:
   Characters(const std::string& path, std::string_view text, bool declared)
@@ -151,7 +152,7 @@ class Characters {
 
   void check_reference() const {
     const std::size_t end = text_.find_first_of("; \t\r\n<>\"'&", at_ + 2);
-    if (end == std::string_view::npos || text_[end] != ';') return;  // not a reference: the text is kept unchanged
+    if (end == std::string_view::npos || text_[end] != ';') return;  // not a reference: the text is kept as it is
     std::string_view digits = text_.substr(at_ + 2, end - at_ - 2);
     const bool hex = digits.starts_with('x');
     if (hex) digits.remove_prefix(1);
@@ -173,7 +174,8 @@ class Characters {
     at_ += count;
   }
 
-  // Skips a section that begins here, without checking references; `checks`: characters are checked.
+  // Skips a section that begins at the current position and does not check its references. checks: whether its
+  // characters are checked.
   bool section(std::string_view begin, std::string_view end, bool checks) {
     if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());

@@ -3,13 +3,14 @@
 // If bodies rotate far in a step, ends of springs move otherwise than the step's linear equations predict, and errors
 // of stiff springs may accumulate. A cluster is a set of robots coupled by springs and contacts. Each cluster has an
 // account of the energy that its springs may give, as in a passivity observer (Hannaford and Ryu, IEEE Trans. Robotics
-// and Automation 18, 2002). The account starts with the energy of the springs. A step takes from it the energy of the
-// bodies at its end, minus their energy after a step without springs, minus the work of other forces. Errors of the
-// step without springs count by twice the ratio of the largest spring energy to the kinetic energy, at most fully. If a
-// step would overdraw the account, velocities relative to the cluster's rigid-body motion (from its momentum) are
-// scaled down until it does not. A cluster fixed to the world has no rigid motion. Errors that alternate in sign, as in
-// explicit steps, cancel in the account. The linear equations dissipate energy of springs that are faster than the
-// step. If such springs gain energy because their ends rotate far, a cluster fixed to the world makes a shorter step.
+// and Automation 18, 2002). The account starts with the energy of the springs. A step takes from the account the energy
+// of the bodies at its end, minus their energy after a step without springs, minus the work of other forces. Errors of
+// the step without springs are weighted by twice the ratio of the account's maximum so far to the kinetic energy
+// relative to the rigid motion, at most by 1. If a step would overdraw the account, velocities relative to the
+// cluster's rigid-body motion (from its momentum) are scaled down. A cluster fixed to the world has no rigid motion.
+// Errors that alternate in sign, as in explicit steps, cancel in the account. The linear equations dissipate energy of
+// springs that are faster than the step. If such springs gain energy because their ends rotate far, a cluster fixed to
+// the world makes a shorter step.
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmaller = 0.7;  // factor by which one trial shortens a step
+constexpr double kSmaller = 0.7;  // factor by which each trial shortens a step
 constexpr int kMostTrials = 60;
 constexpr double kFast = 10;        // h^2 k / m above which springs lose energy in the linear step
 constexpr double kRounding = 1e-9;  // rounding errors relative to the energy of springs
@@ -51,7 +52,7 @@ std::span<const int> groups_of(int cluster, const BoundedEnergy& e) {
   return {e.members.data() + first, static_cast<std::size_t>(e.first[static_cast<std::size_t>(cluster) + 1] - first)};
 }
 
-// Sorts the free groups by cluster.
+// Sorts the numbers of the free groups by cluster, into e.members.
 void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.of_group.assign(groups.groups.size(), -1);
   e.first.assign(e.cluster.size() + 1, 0);
@@ -72,7 +73,7 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
 
 double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
 
-// Computes each cluster's kinetic energy, and its total energy with gravity. Leaves the kinematics at q, v.
+// Computes each cluster's kinetic energy, and its kinetic and gravitational energy. Leaves the kinematics at q, v.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
                    BoundedEnergy& e, Eigen::VectorXd& energy) {
   kinematics_at(scene, q, v, d.at_rest.kin);
@@ -87,7 +88,7 @@ void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::Ve
   energy += e.kinetic;
 }
 
-// Computes each cluster's energy after the step to x, minus the work of motors, wrenches, joints and impulses h f.
+// Computes each cluster's energy after the step to x, minus the work of motors, wrenches, joints and the impulses h f.
 void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const Eigen::VectorXd& f, double h,
                            SimulationData& d, BoundedEnergy& e, Eigen::VectorXd& energy) {
   find_energies(scene, d.next_q, d.next_v, d, e, energy);
@@ -103,7 +104,7 @@ void find_energies_of_step(const Scene& scene, const Eigen::VectorXd& x, const E
     }
 }
 
-// Computes the clusters' rigid motions and the kinetic energy relative to these motions, after find_energies.
+// Computes the clusters' rigid motions and the kinetic energy relative to these motions. Requires find_energies.
 void find_relative_motion(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_tied(scene, d.free_groups, e);
   sort_groups(d.free_groups, e);
@@ -159,7 +160,7 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Computes the energy of each cluster's springs: of all springs, and of the springs faster than the step.
+// Computes the energy of all springs of each cluster, and the energy of those springs that are faster than the step.
 void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;
@@ -210,8 +211,8 @@ void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   d.work.springs += e.kinetic.sum() + e.at_end.all.sum() - first;
 }
 
-// Bounds the energy of springs after another step: twice the energy of the stretch that results if the ends continue to
-// move as in this step, reduced by the damping of the implicit step.
+// Computes a bound of the energy of springs after another step. It is twice the energy of the stretch that results if
+// the ends continue to move as in this step, reduced by the damping of the implicit step.
 void find_most(const Scene& scene, const SimulationData& d, Eigen::VectorXd& most) {
   const ResistingSprings& s = *d.resisting->springs;
   most.setZero(scene.nrobots());

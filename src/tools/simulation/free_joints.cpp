@@ -15,7 +15,7 @@ void each_free_joint(const Scene& scene, Use&& use) {
       if (joint.nv() > 1) use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v);
 }
 
-// Returns the number of translational coordinates of a free joint; they come first.
+// Returns the number of translational coordinates of a free joint, which precede its rotational coordinates.
 int displacing(const Joint& joint) { return joint.type == JointType::kPlanar ? 2 : 3; }
 
 Mat3<double> axes_at(const Joint& joint, int at, const Eigen::VectorXd& q) {
@@ -58,7 +58,7 @@ void end_free_joints(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
   });
 }
 
-// Let E = exp(h x_angular), J its right Jacobian and dt = J h dx_angular. The derivatives of the step's end are
+// With E = exp(h x_angular), J its right Jacobian and dt = J h dx_angular, the derivatives of the step's end are
 //     dq+ = E^T dq + [h E^T (dx_linear - x_linear x dq_angular); dt]
 //     dv+ = [E^T dx_linear + v+_linear x dt; dx_angular]
 void differentiate_free_joints(const Scene& scene, const Eigen::VectorXd& x, double h, Eigen::MatrixXd& F) {

@@ -12,12 +12,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// The roots of z^2 - trace z + det = 0, the larger in magnitude first.
+// The roots of z^2 - trace z + det = 0; `first` has the larger magnitude.
 struct Roots {
   Complex first, second;
   Roots(double trace, double det) {
     const Complex root = std::sqrt(Complex(trace * trace / 4 - det));
-    first = trace / 2 + (trace < 0 ? -root : root);  // the larger root, without cancellation
+    // This sign avoids cancellation.
+    first = trace / 2 + (trace < 0 ? -root : root);
     second = first == 0.0 ? 0.0 : det / first;
   }
 };
@@ -29,7 +30,8 @@ double rk4_growth(const Gains& gains, double h) {
   return std::max(rk4_factor(h * L.first), rk4_factor(h * L.second));
 }
 
-// Bisects: every ray from 0 into the left half plane leaves RK4's stability region exactly once, within |x| < 3.
+// Finds the step by bisection, because every ray from 0 into the left half plane leaves RK4's stability region exactly
+// once, within |x| < 3.
 double rk4_largest_step(const Gains& gains) {
   const Roots L(-gains.beta, gains.alpha);
   double low = 0, high = 3 / std::max(std::abs(L.first), std::abs(L.second));

@@ -22,7 +22,7 @@ int group_number(const FreeGroups& groups, const Attachment& at) {
   return groups.group[groups.node[groups.first_body[at.robot] + at.joint]];
 }
 
-// Adds the angular momentum dL about the world's origin to groups coupled by springs, by rotating them as one body.
+// Adds the angular momentum dL to groups coupled by springs, by rotating them as one body about their centre of mass.
 void turn_together(std::span<const int> members, const Vec3<double>& dL, double h, FreeGroups& groups) {
   const OneBody body = one_body(members, groups);
   const Vec3<double> dw = turn_for(body.plane, body.I, dL);
@@ -54,7 +54,7 @@ void add_impulses_of_springs(const Scene& scene, SimulationData& d) {
     if (!B.tied) add_impulse(B, d.h, at_B, -impulse);
     if (A.tied || B.tied) continue;
     clusters.join(a, b);
-    s.couple[a] += (at_B - at_A).cross(impulse);  // cancels the pair's angular momentum
+    s.couple[a] += (at_B - at_A).cross(impulse);  // cancels the pair's change of angular momentum
   }
   for (std::size_t g = 0; g < s.cluster.size(); ++g) {
     const int root = clusters.root(static_cast<int>(g));

@@ -3,14 +3,14 @@
 
 namespace manycontact::internal {
 
-/// Computes out = q (+) w for every robot. q, out: nq; w: nv.
+/// Computes out = q (+) w for every robot. q and out have nq entries, w has nv.
 void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& w, Eigen::VectorXd& out);
 
-/// Solves data.dynamics at q, v with torques u; returns false if the solve fails.
+/// Solves data.dynamics at q, v with motor torques u. Returns false if the solve fails.
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);
 
-/// Whether an active contact may have rotating rows, which follow_turning_rows must examine.
+/// Returns whether an active contact may have rotating rows. Only then follow_turning_rows must be called.
 bool rows_may_turn(const Scene& scene, const SimulationData& data);
 /// For RK4, adds to data.wanted the accelerations that keep J v of 1D and 2D contacts constant although their rows
 /// rotate at q, v, and removes the alpha of these rows. Returns false if no rows rotate.
@@ -21,24 +21,26 @@ void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& data);
 /// Updates data.condition after a step's first solve, whose result is in `of`, if data.condition_every requests it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 
-/// Call it after a step's first solve, `of`. At the start, and after contacts were switched, rows that are redundant in
-/// this solve are treated as redundant in the next steps (dynamics/keep_dependent.hpp).
+/// Must be called after a step's first solve, whose result is in `of`. In the first step, and after contacts were
+/// switched, the rows that this solve finds redundant are marked as redundant for the next steps
+/// (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
 
-/// Computes q+ and v+ from the result x of semi-implicit Euler's solve, with the momentum of free groups.
+/// Computes q+ and v+ from the solution x of semi-implicit Euler, and corrects them with the momentum of free groups.
 void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data);
-/// Bound the energy of springs between points (bounded_energy.cpp): begin_bound before springs' impulses are added to
-/// free groups' momentum, bound_energy after the step. goes_on: the state is the end of the last step.
+/// Bound the energy of springs between points (bounded_energy.cpp). Call begin_bound before the impulses of springs are
+/// added to the momentum of free groups, and bound_energy after the step. goes_on: whether the state is the end of the
+/// last step.
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 
-/// Computes data.tau = -h ID(q, v, data.stop), and data.at_rest.kin at q, v.
+/// Computes data.at_rest.kin at q, v, and data.tau = -h times the inverse dynamics at q, v, data.stop.
 void find_momentum(SimulationData& data);
 
 /// Copies data.f and data.f_offset from data.dynamics.
 void keep_forces(SimulationData& data);
 
-/// Computes the state after a step in next_q, next_v; returns false if a solve failed.
+/// Compute the state after a step in next_q, next_v. Return false if a solve failed.
 [[nodiscard]] bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& data);
 [[nodiscard]] bool step_rk4(const Scene& scene, const ConstVector& u, SimulationData& data);
 

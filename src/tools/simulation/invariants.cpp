@@ -13,14 +13,15 @@ namespace {
 // Sets `largest` to max(largest, |x|), or to NaN if largest or x is NaN.
 void raise(double& largest, double x) { largest = sparse::larger_or_nan(largest, std::abs(x)); }
 
-// Returns the placement error W e: the error e of the contact's frames in its constraint rows W.
+// Returns the placement error W e of a contact: the error e of its frames, expressed in its constraint rows W.
 Vec6<double> placement_error(const Contact& contact, const ContactData<double>& d) {
   Vec6<double> e = Vec6<double>::Zero(), rows = e;
   if (contact.type == ContactType::k6D)
     e = log6<double>(d.G);
   else
     e.head<3>() = d.G.R.transpose() * d.G.p;
-  if (contact.type == ContactType::k5D)  // angular error of the hinges' axes
+  // The angular error is the angle between the hinges' axes.
+  if (contact.type == ContactType::k5D)
     e.tail<3>() = Vec3<double>(d.G.R.transpose() * contact.axis).cross(contact.axis);
   for (Eigen::Index i = 0; i < d.W.rows(); ++i) rows[i] = d.W.row(i).dot(e);
   return rows;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kBisections = 60;
 
-// Finds the islands of joints with friction, and sorts these joints by island. Springs join all islands to one.
+// Finds the islands of joints with friction, and sorts these joints by island. With springs, all islands count as one.
 void find_islands(const Scene& scene, const SceneData& islands, ResistingJoints& j) {
   j.island.assign(j.rubbing.size(), 0);
   std::size_t r = 0;
@@ -32,7 +32,7 @@ signed char slip_at(double v) {
   return static_cast<signed char>(v >= kStickVelocity ? 1 : v <= -kStickVelocity ? -1 : 0);
 }
 
-// Returns the slope of the minimised function at v + s (v_next - v) along v_next - v, summed over `joints`.
+// Returns the slope of the minimised function along v_next - v, at the point v + s (v_next - v), for `joints`.
 double slope_at(double s, std::span<const int> joints, double h, const ResistingJoints& j) {
   double out = 0;
   for (const int k : joints) {

@@ -16,7 +16,7 @@ bool may_begin_group(const Joint& joint) {
   return joint.type == JointType::kFloating || (joint.type == JointType::kPlanar && joint.parent < 0);
 }
 
-// Whether rotors or friction act along the joint's coordinates, so that the joint transmits momentum.
+// Returns whether rotors or friction act along the joint's coordinates, so that the joint transmits momentum.
 bool has_own_forces(const Model& model, const Joint& joint) {
   const auto any = [&](const Eigen::VectorXd& x) {
     return x.size() > 0 && !x.segment(joint.idx_v, joint.nv()).isZero(0);
@@ -41,12 +41,13 @@ void hold_in_plane(FreeGroup& group, const Vec3<double>& normal) {
     group.tied = true;
 }
 
-// Whether a contact constrains its end to a plane: it is 1D, in world axes.
+// Returns whether a contact constrains its end to a plane, as a 1D contact in world axes does.
 bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Merges the nodes (bodies without free joints between them) that contacts, motors, friction or rotors couple.
+// Merges the nodes that contacts, motors, friction or rotors couple. A node is a set of bodies without free joints
+// between them.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {
@@ -108,7 +109,7 @@ void accelerate(const Scene& scene, const std::vector<Kinematics<double>>& kin, 
   }
 }
 
-// Adds the impulse of a free joint's torques to the groups of its child and parent side. C_next must still be C.
+// Adds the impulse of a free joint's torques to the groups on both sides of the joint. C_next must still equal C.
 void add_torques_of(const Scene& scene, const FreeGroups::FreeJoint& j, const Eigen::Ref<const Eigen::VectorXd>& tau,
                     double h, const std::vector<Kinematics<double>>& kin, FreeGroups& groups) {
   const Robot& robot = scene.robots[j.robot];

@@ -12,14 +12,14 @@ namespace {
 
 using OfGroup = FreeMotionDerivatives::OfGroup;
 
-// Returns the motion `motion`, given about the origin of the tree frame, about the point p.
+// Transforms a motion about the origin of the tree frame to the motion about the point p.
 Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   Vec6<double> out = motion;
   out.head<3>() += motion.tail<3>().cross(p);
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // reference to centre of mass
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // centre of mass, from the reference
 
 // Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>
@@ -60,7 +60,7 @@ void differentiate_robot(const Scene& scene, int r, int root, const std::vector<
   }
 }
 
-// Computes derivatives of each free group's C, P and L at the state of `kin`, at which `measure` was called.
+// Computes derivatives of C, P and L of each free group at the state of `kin`. Requires `measure` at this state.
 void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<double>>& kin, const FreeGroups& groups,
                             FreeMotionDerivatives& d) {
   for (std::size_t g = 0; g < d.groups.size(); ++g) {
@@ -79,7 +79,7 @@ void differentiate_momentum(const Scene& scene, const std::vector<Kinematics<dou
       differentiate_robot(scene, r, static_cast<int>(g), kin, groups, group, d, out);
       for (int c = scene.robots[r].idx_v; c < scene.robots[r].idx_v + scene.robots[r].model->nv; ++c) {
         out.C_q.col(c) = out.h_v.col(c).head<3>() / group.Y.m;
-        // derivatives of L = L_reference - C x P
+        // L = L_reference - C x P is differentiated
         out.h_q.col(c).tail<3>() -=
             Vec3<double>(out.C_q.col(c)).cross(P) + C.cross(Vec3<double>(out.h_q.col(c).head<3>()));
         out.h_v.col(c).tail<3>() -= C.cross(Vec3<double>(out.h_v.col(c).head<3>()));
@@ -94,7 +94,7 @@ OfGroup& of_group(FreeMotionDerivatives& d, const FreeGroups& groups, const Free
   return d.groups[&group - groups.groups.data()];
 }
 
-// Adds derivatives of P+ and L+ by a free joint's torques and by the position at which the torques act.
+// Adds the derivatives of P+ and L+ that result from a free joint's torques and from the point at which they act.
 void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
                            const Eigen::SparseMatrix<double>& dtau_dx, const Eigen::SparseMatrix<double>& dtau_dw,
                            const Eigen::Ref<const Eigen::VectorXd>& tau, double h,
@@ -135,7 +135,7 @@ void differentiate_torques(const Scene& scene, const FreeGroups::FreeJoint& j,
   });
 }
 
-// out += scale * block(:, c) * F(c, :), where c are the velocity coordinates of `robots`.
+// Adds scale * block(:, c) * F(c, :) to `out`, where c are the velocity coordinates of `robots`.
 template <class Block, class Rows>
 void multiply(const Scene& scene, const std::vector<int>& robots, const Block& block, const Rows& F, double scale,
               Eigen::Ref<Eigen::MatrixXd> out) {
@@ -145,7 +145,7 @@ void multiply(const Scene& scene, const std::vector<int>& robots, const Block& b
   }
 }
 
-// Computes d.turned, the rotation of the joint's body: angular parts of the coordinates from the root to it, times F.
+// Computes d.turned, the rotation of the joint's body: the angular columns of the coordinates above it, times F.
 void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Eigen::MatrixXd& F,
           FreeMotionDerivatives& d) {
   d.turned.setZero();
@@ -154,7 +154,7 @@ void turn(const Robot& robot, int joint, const Kinematics<double>& kin, const Ei
   });
 }
 
-// Computes the rows of q in F: T dq~ + E dd (see the header).
+// Computes the rows of q in F, T dq~ + E dd (momentum_derivatives.hpp).
 void differentiate_displacement(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
   for (const FreeGroups::FreeJoint& j : groups.joints) {  // T dq~
@@ -190,7 +190,7 @@ void differentiate_displacement(const Scene& scene, const std::vector<Kinematics
   }
 }
 
-// Adds a motion, given in the world's axes, to a joint's rows of v, column by column.
+// Adds a motion in world axes to the velocity rows of a joint in F, column by column.
 template <class Linear, class Angular>
 void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const Mat3<double>& to_child,
                      const Linear& linear, const Angular& angular, Eigen::MatrixXd& F) {
@@ -202,7 +202,7 @@ void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const M
   }
 }
 
-// Computes the rows of v in F: dv~ + A_q dq+. With R the child's axes, p its position and (u, w) the added motion,
+// Computes the rows of v in F, dv~ + A_q dq+. With R the child's axes, p its position and (u, w) the added motion,
 //     R^T x changes by R^T (x x turned),    u + w x (p - C) by w x (dp - dC)
 void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {

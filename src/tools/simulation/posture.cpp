@@ -22,12 +22,12 @@ double product(const Scene& scene, const SceneData& data, const Island& island, 
   return sum;
 }
 
-// Makes one inverse iteration at q: solves for dynamics.a and f with right-hand side w. Returns false if it failed.
+// Makes one inverse iteration at q, which solves for a and f with the right-hand side w. Returns false if it failed.
 bool iterate(const Eigen::VectorXd& q, PostureData& d) {
   return solve_tau(d.rest.scene, q, d.rest.zero, d.rest.zero, d.w, d.dynamics).status != Status::kFailed;
 }
 
-// Sets the island's rows of w to w+ = f / |f|. Returns |f|, or 0 if that is not possible.
+// Sets the island's rows of w to f / |f|. Returns |f|, or 0 if f is zero or not finite.
 double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   const Eigen::VectorXd& f = d.dynamics.f;
   const double size = std::sqrt(product(scene, d.dynamics, island, f, f));
@@ -37,7 +37,8 @@ double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   return size;
 }
 
-// Starts with a w of unit length in every island. Its entries differ, so that symmetries of the scene do not cancel it.
+// Sets w to a vector of unit length in every island. Its entries differ, so that symmetries of the scene do not cancel
+// terms.
 void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) {
   d.active = active;
   d.dynamics.active = active;
@@ -54,7 +55,7 @@ void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) 
   d.known = false;
 }
 
-// Returns the minimum over s of |(1 - s) x0 + s x1| and its s, from |x0|, |x1| and x0^T x1.
+// Returns the minimum of |(1 - s) x0 + s x1| over s in [0, 1], and its s, from |x0|, |x1| and x0^T x1.
 ClosestPosture closest_between(double size0, double size1, double product01) {
   const double step2 = size0 * size0 + size1 * size1 - 2 * product01;
   const double at = step2 > 0 ? std::clamp((size0 * size0 - product01) / step2, 0.0, 1.0) : 1;
@@ -104,7 +105,7 @@ ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& activ
     for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)
       (void)take_rows(scene, solved_island(d.dynamics, i), d);
   }
-  // J x with the last state's x, for x_k^T M x_k+1 = w_k+1^T J x_k
+  // J x with the last state's x is needed for x_k^T M x_k+1 = w_k+1^T J x_k
   d.Jx.resize(d.w.size());
   d.rest.inverse_dynamics_of(d.rest.scene, q, d.x, d.rest.zero, Vec3<double>::Zero(), d.scratch);
   d.rest.contact_velocities(d.dynamics.f_offset, d.Jx);

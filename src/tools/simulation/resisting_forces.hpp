@@ -11,38 +11,42 @@ namespace manycontact {
 
 namespace internal {
 
-/// Workspace of bounded_energy.cpp. Energies [J] of a cluster (robots coupled by springs, contacts): at its first one.
+/// Workspace of bounded_energy.cpp. The energies [J] of a cluster (robots coupled by springs and contacts) are stored
+/// at its first robot.
 struct BoundedEnergy {
-  // Columns, kept between steps: energy that springs may still give, and its maximum so far. NaN: to be computed.
+  // Columns: energy that the springs may still give, and its maximum so far; kept between steps. NaN means unknown.
   Eigen::ArrayX2d account;
   std::vector<int> cluster;
-  // Energy of the bodies at the start, and after a step without springs minus the work of other forces.
+  // Energy of the bodies at the start, and their energy after a step without springs minus the work of other forces.
   Eigen::VectorXd before, without;
-  Eigen::VectorXd given, most;        // energy that springs gave in this step; the most that they can contain
-  Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
-  Eigen::VectorXd kinetic, relative;  // kinetic energy at the end; its part relative to the clusters' rigid motion
-  std::vector<OneBody> bodies;        // one entry per free cluster
+  // given: energy that springs gave in this step; most: the largest energy that they can contain
+  Eigen::VectorXd given, most;
+  Eigen::VectorXd fast_given;  // energy that springs faster than the step gave
+  // kinetic: kinetic energy at the end of the step; relative: its part relative to the clusters' rigid motions
+  Eigen::VectorXd kinetic, relative;
+  std::vector<OneBody> bodies;  // one entry per free cluster
   struct Stretched {
     Eigen::VectorXd all, fast;
-  } at_start, at_end;              // energies of all springs, and of springs faster than the step
-  Eigen::VectorXd share, rigid_v;  // scale of the motion relative to the rigid motion; velocity of the latter (nv)
+  } at_start, at_end;  // energies of all springs, and of springs faster than the step
+  // share: factor of the motion relative to the rigid motion; rigid_v: velocity of the rigid motion (nv)
+  Eigen::VectorXd share, rigid_v;
 
   std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world
   std::vector<int> of_group;        // one entry per free group: its cluster
   std::vector<int> members, first;  // free groups sorted by cluster; start of each cluster in members
 };
 
-/// The equations that semi-implicit Euler solves: the scene at rest, with the joints' additions to M.
+/// The equations that semi-implicit Euler solves: the scene at rest, with the inertias that joints add to M.
 struct AtRest {
   Scene& scene;
   SceneData& data;  // SimulationData::dynamics if joints add nothing to M
 };
 AtRest at_rest_with_joints(SimulationData& data);
 
-/// Before a step's solves, adds the forces of PD laws at the start of the step to data.w, and the terms of all joint
-/// forces at its end to M. Updates the scene at rest with these terms to `scene` and the active contacts.
+/// Adds the forces of PD laws at the start of the step to data.w, and the terms of joint forces at its end to M.
+/// Updates the scene at rest to `scene` and the active contacts. Must be called before the solves of a step.
 void take_joints(const Scene& scene, SimulationData& data);
-/// Computes data.pd_torque, and the work of joint forces in data.work, after the solves.
+/// Computes data.pd_torque, and the work of joint forces in data.work. Must be called after the solves of a step.
 void account_for_joints(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);
 
 }  // namespace internal
@@ -52,10 +56,12 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;                     // whether the members at_rest and dynamics were created
-  std::unique_ptr<SceneAtRest> at_rest;  // the scene with added inertias; null: SimulationData::at_rest is used
-  std::unique_ptr<SceneData> dynamics;   // data of at_rest
-  std::optional<internal::ResistingSprings> springs;  // nullopt: no springs between points
+  bool made = false;  // whether the members at_rest and dynamics were created
+  // The scene with added inertias; null if SimulationData::at_rest is used.
+  std::unique_ptr<SceneAtRest> at_rest;
+  std::unique_ptr<SceneData> dynamics;  // data of at_rest
+  // Empty if there are no springs between points.
+  std::optional<internal::ResistingSprings> springs;
   internal::BoundedEnergy bounded;
 };
 

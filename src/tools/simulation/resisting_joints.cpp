@@ -27,7 +27,8 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
   return model;
 }
 
-// Returns the diagonal of M^-1 at q = 0 for joints with springs, 0 for other joints; infinite if M is singular.
+// Returns the diagonal of M^-1 at q = 0 for joints with springs, and 0 for other joints. It is infinite if M is
+// singular.
 Eigen::VectorXd mobilities(const Scene& scene) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
   int last = -1;
@@ -54,7 +55,7 @@ Eigen::VectorXd mobilities(const Scene& scene) {
 
 }  // namespace
 
-// Returns the scene with inertias added. Equal robots share a model if friction does not change inertias.
+// Returns the scene with inertias added. Equal robots share a model, unless friction changes their inertias.
 Scene ResistingJoints::with_inertias(const Scene& scene) {
   added = to_add;
   Scene out = scene;

@@ -17,14 +17,14 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kFelt = 1e-3;           // rows across a spring are negligible if D J M^-1 J^T is below this
-constexpr double kNothing = 1e-12;       // value of D J M^-1 J^T given to a row without effect
-constexpr std::size_t kMostRows = 3000;  // up to so many rows it is stored dense if, in addition, ...
-constexpr double kMostZeros = 8;         // ... at least one in kMostZeros of its entries is nonzero
-constexpr int kFewNumbers = 32;          // below so many unit forces on an island, each takes a solve
+constexpr double kFelt = 1e-3;           // rows across a spring are left out if D J M^-1 J^T is below this
+constexpr double kNothing = 1e-12;       // least value of D J K^-1 J^T of a row across a spring
+constexpr std::size_t kMostRows = 3000;  // most rows for which J K^-1 J^T is stored dense
+constexpr double kMostZeros = 8;         // largest ratio of its entries to its nonzeros for dense storage
+constexpr int kFewNumbers = 32;          // fewer unit forces on an island are solved one by one
 constexpr int kMostCoordinates = 2000;   // most velocities of an island for which K^-1 is computed as a matrix
 
-// Returns J M^-1 J^T of the end's body alone. Joints and contacts only reduce it, so that it is an upper bound.
+// Returns J M^-1 J^T of the end's body alone. This is an upper bound, because joints and contacts only reduce it.
 double mobility_of_end(const Scene& scene, const Attachment& at) {
   if (!moves(at)) return 0;
   const Inertia<double>& Y = scene.robots[at.robot].model->joints[at.joint].inertia;
@@ -54,7 +54,7 @@ void follow_loads(const Scene& scene, Scene& loads) {
   for (std::size_t r = 0; r < scene.robots.size(); ++r) loads.robots[r].base = scene.robots[r].base;
 }
 
-// Returns the acceleration of a spring's end relative to the robot's base, if the joints do not accelerate.
+// Returns the acceleration of a spring's end relative to the robot's base, for zero joint accelerations.
 Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const AppliedForces<double>& forces) {
   if (!moves(at)) return Vec3<double>::Zero();
   const Kinematics<double>& kin = forces.robots[forces.number[at.robot]].kin;
@@ -69,8 +69,9 @@ Vec3<double> acceleration_of_end(const Scene& scene, const Attachment& at, const
                                                      : Vec3<double>(end - kin.a_base.head<3>());
 }
 
-// Returns the share 0 ... 1 of the motion across a spring that rotates it without stretch. With c the rate across it,
-// s its length, T its tension, n its direction, its energy rises by h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B'')).
+// Returns the share (0 to 1) of the motion across a spring that rotates the spring without stretching it. With c the
+// rate across the spring, s its length, T its tension and n its direction, a step h raises its energy by
+//     h^2 T / (2 s) (c^2 + s n^T (p_A'' - p_B''))
 double turning(const Scene& scene, const Spring& spring, const AppliedForces<double>::OfSpring& at,
                const AppliedForces<double>& forces, double h) {
   const Vec3<double> n = at.d / at.length, across = at.rate - n * n.dot(at.rate);
@@ -107,7 +108,8 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias to b. If false, these terms are in b and d.tau instead.
+// Solves K v+ = b in SIMD batches, which add M v and the bias to b. If it returns false because batches cannot solve,
+// these terms are in b and d.tau instead.
 bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return false;
   d.next_contact_v.resize(d.wanted.size());
@@ -123,7 +125,8 @@ bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
-// Sets the contacts' alpha to zero during its lifetime: placement errors must not affect responses to unit forces.
+// Sets the contacts' alpha to zero during its lifetime, so that placement errors do not affect responses to unit
+// forces.
 class WithoutGains {
  public:
   WithoutGains(Scene& rest, std::vector<double>& gains) : rest_(rest), gains_(gains) {
@@ -147,7 +150,8 @@ bool islands_fit(const SceneData& data) {
   return true;
 }
 
-// Computes K^-1 of every island by one panel of right-hand sides. Returns null if one solve per unit force is cheaper.
+// Computes K^-1 of every island with one panel of right-hand sides. Returns null if one solve per unit force is cheaper
+// or the computation failed.
 const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s) {
   const auto [rest, data] = at_rest_with_joints(d);
   if (s.numbers < kFewNumbers || !islands_fit(data)) return nullptr;
@@ -161,7 +165,7 @@ const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s)
   return &inverse;
 }
 
-// Computes a = K^-1 b with K^-1 in `inverse`.
+// Computes a = K^-1 b. `inverse` contains K^-1.
 void multiply(const Scene& rest, const SceneData& data, const DerivativeData& inverse, const Eigen::VectorXd& b,
               Eigen::VectorXd& a) {
   a.setZero(b.size());
@@ -182,7 +186,8 @@ void multiply(const Scene& rest, const SceneData& data, const DerivativeData& in
   }
 }
 
-// Calls use(i, j, x) for the entries x = (J K^-1 J^T)_ij, where j is the row of a unit force. False: a solve failed.
+// Calls use(i, j, x) for the entries x of row i and column j of J K^-1 J^T, where j is the row of a unit force. Returns
+// false if a solve failed.
 template <class Use>
 bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   const auto [rest, data] = at_rest_with_joints(d);
@@ -209,7 +214,7 @@ bool each_response(SimulationData& d, ResistingSprings& s, Use&& use) {
   return true;
 }
 
-// Computes J K^-1 J^T: in s.C if it is stored dense, otherwise in s.entries.
+// Computes J K^-1 J^T, in s.C if it is stored dense, otherwise in s.entries. Returns false if a solve failed.
 bool find_responses(SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.is_dense ? (void)s.C.setZero(n, n) : s.entries.clear();
@@ -226,7 +231,7 @@ double rate_at_start(const SimulationData& d, const ResistingSprings::Row& row) 
   return row.direction.dot(d.applied->springs[row.spring].rate);
 }
 
-// Computes g of rows along springs, with the share s of the start velocity that springs do not resist.
+// Computes g of rows along springs. Springs do not resist the share row.keeps of the start velocity.
 void keep_along(const SimulationData& d, ResistingSprings& s) {
   for (std::size_t i = 0; i < s.rows.size(); ++i) {
     ResistingSprings::Row& row = s.rows[i];
@@ -237,7 +242,7 @@ void keep_along(const SimulationData& d, ResistingSprings& s) {
   }
 }
 
-// Computes D of rows across springs from the tension at the end of the step, which the rows along springs predict: a
+// Computes D of rows across springs from the tension at the end of the step, which the rows along springs predict. A
 // spring that relaxes within the step is not stiff across its direction.
 void take_tensions(const SimulationData& d, ResistingSprings& s) {
   s.stretching = s.p;
@@ -257,7 +262,7 @@ void take_tensions(const SimulationData& d, ResistingSprings& s) {
 }
 
 // Computes g of rows across springs from the start velocity without its stretching part. Springs do not resist the
-// share s of this velocity, nor the rotating share r of the rest.
+// share row.keeps of this velocity, nor the rotating share row.turns of the rest.
 void keep_across(const SimulationData& d, ResistingSprings& s) {
   const auto n = static_cast<Eigen::Index>(s.rows.size());
   s.rate.resize(n), s.stretching.resize(n);
@@ -287,7 +292,7 @@ bool find_across(const SimulationData& d, ResistingSprings& s) {
   return true;
 }
 
-// Whether J K^-1 J^T is stored densely: it has few rows, or enough nonzero entries.
+// Returns whether J K^-1 J^T is stored dense, because it has few rows or enough nonzero entries.
 bool is_dense(const ResistingSprings& s) {
   double responses = 0;
   for (const UnitForce& end : s.ends) responses += 2 * end.number + 1;
@@ -322,7 +327,8 @@ void take_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
     for (const Attachment* end : {&scene.springs[k].A, &scene.springs[k].B})
-      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)  // fails
+      // NaN torques make the solve fail
+      if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)
         d.w.segment(robot->idx_v, robot->model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
     const auto first = static_cast<int>(s.rows.size());
     add_rows(scene, scene.springs[k], static_cast<int>(k), *d.applied, d.h, s.mobility[k], s);
@@ -372,7 +378,7 @@ void account_for_springs(const Scene& scene, SimulationData& d, const Eigen::Vec
     const Spring& spring = scene.springs[row.spring];
     const double before = rate_at_start(d, row), after = s.unit.along(row.spring, row.direction, -1),
                  mean = (before + after) / 2, moved = d.h * after;
-    const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // the rotating part is not stretched
+    const double k = is_across(row) ? row.k * (1 - row.turns) : row.k;  // the rotating part does not stretch it
     const double damper = is_across(row) ? 0 : -d.h * spring.damping * after;
     double& given = s.given[i];
     given = (s.p[i] - damper) * mean;

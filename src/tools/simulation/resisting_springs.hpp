@@ -26,44 +26,53 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;                                      // the scene with all loads except springs between points
-  std::shared_ptr<AppliedForces<double>> of_loads;  // nullptr: no such loads
-  std::vector<double> mobility;  // one entry per spring: J M^-1 J^T of its bodies alone, an upper bound [1/kg]
+  Scene loads;  // the scene with all loads except springs between points
+  // Applied forces of `loads`, or null if `loads` has none.
+  std::shared_ptr<AppliedForces<double>> of_loads;
+  // Upper bound per spring: J M^-1 J^T of its bodies alone [1/kg].
+  std::vector<double> mobility;
 
   struct Row {
     int spring;
     Vec3<double> direction;  // unit vector in the world
     double D, g, k, e;       // k, e: stiffness and stretch along `direction`
-    double turns;            // rows across a spring: rotating share r, 0 ... 1; rows along a spring: -1
-    double length;           // rows across a spring with a rest length: its current length; other rows: 0
-    double keeps = 0;        // share s of the start velocity v that the spring does not resist
+    // Row across a spring: its rotating share r from 0 to 1; row along a spring: -1.
+    double turns;
+    // Row across a spring with a rest length: current length of the spring; other rows: 0.
+    double length;
+    double keeps = 0;  // share s of the start velocity v that the spring does not resist
   };
   std::vector<Row> rows;
   UnitTorques unit;
   std::vector<UnitForce> ends;  // unit forces on the ends of rows
   std::vector<int> row;         // row of each entry of `ends`
-  int numbers = 0;              // count of numbers in `ends`; forces of one number are on different islands
-  std::vector<int> asked;       // one entry per island: index in `ends` of the current solve's unit force; -1: none
-  std::vector<double> gains;    // alpha of each contact, saved while the solves for unit forces use zero
-  Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
+  int numbers = 0;              // count of numbers in `ends`; forces with the same number are on different islands
+  // One entry per island: index in `ends` of the unit force in the current solve, or -1.
+  std::vector<int> asked;
+  // Saves alpha of each contact while the solves for unit forces use zero.
+  std::vector<double> gains;
+  Eigen::VectorXd by_unit;  // nv: response to unit forces, computed with the matrix K^-1
 
   Eigen::VectorXd p, rate;     // one entry per row: impulse p; rate J v'
   Eigen::VectorXd given;       // one entry per row: energy that the impulse without damper gives to the bodies [J]
   Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
-  bool is_dense = true;        // J K^-1 J^T is stored dense: few rows, or most rows on one island
-  Eigen::MatrixXd C, with_D;   // J K^-1 J^T; its part for the rows `used`, with D^-1 added
-  std::vector<int> used;       // rows that are part of the last factorization
+  bool is_dense = true;        // whether J K^-1 J^T is stored dense: it has few rows, or enough nonzero entries
+  // C: J K^-1 J^T; with_D: its part for the rows `used`, with D^-1 added
+  Eigen::MatrixXd C, with_D;
+  std::vector<int> used;  // rows that are part of the last factorization
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
-  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
-  std::vector<Eigen::Triplet<double>> entries, own_entries;  // sparse J K^-1 J^T: of all rows; of `used` rows
+  Eigen::LLT<Eigen::MatrixXd> factor;           // used for many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;  // used for few rows, and if `factor` fails
+  // Sparse J K^-1 J^T: entries of all rows, and of the rows in the factorization.
+  std::vector<Eigen::Triplet<double>> entries, own_entries;
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
-  Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), impulses of contacts
+  // The solution without springs: v+ (nv), and the impulses of contacts.
+  Eigen::VectorXd without, f_without;
 
-  // Groups of bodies coupled by springs, and the angular momentum to be restored to them.
+  // Sets of groups coupled by springs, and the angular momentum to be restored to each set.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
 };
@@ -74,17 +83,18 @@ constexpr std::size_t kFewRows = 64;  // most rows for one dense factor of all r
 inline bool is_across(const ResistingSprings::Row& row) { return row.turns >= 0; }
 /// Factorizes D^-1 + J K^-1 J^T for the rows along springs, or for all rows. Returns false if the factorization fails.
 [[nodiscard]] bool factorize_rows(bool all, ResistingSprings& s);
-/// Computes x <- (D^-1 + J K^-1 J^T)^-1 x for the rows factorized last.
+/// Replaces x by (D^-1 + J K^-1 J^T)^-1 x, for the rows of the last factorize_rows.
 void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
-/// Adds external wrenches and joint springs at the start of the step to data.w, and evaluates data.applied there.
+/// Adds external wrenches and joint springs at the start of the step to data.w. Evaluates data.applied at this state.
 void add_loads(const Scene& scene, SimulationData& data);
-/// Finds the rows of all springs, after add_loads. A spring of length zero has no direction: data.w becomes NaN.
+/// Finds the rows of all springs. Requires add_loads. Sets data.w to NaN for a spring of length zero, which has no
+/// direction.
 void take_springs(const Scene& scene, SimulationData& data);
-/// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. If
-/// data.in_batches, the solve adds M v and the bias to b; if SIMD batches fail, b and data.tau contain these terms.
+/// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. With
+/// data.in_batches, the solve adds M v and the bias to b. If SIMD batches fail, b and data.tau contain these terms.
 [[nodiscard]] bool solve_with_springs(Eigen::VectorXd& b, SimulationData& data);
-/// Adds the springs' impulses of the solve to the momentum of free groups at the end of the step.
+/// Adds the springs' impulses of the last solve to the momentum of free groups at the end of the step.
 void add_impulses_of_springs(const Scene& scene, SimulationData& data);
 /// Computes data.work of springs and dampers between points.
 void account_for_springs(const Scene& scene, SimulationData& data, const Eigen::VectorXd& v_next);

@@ -4,10 +4,10 @@ namespace manycontact::internal {
 
 namespace {
 
-// Whether a row is part of the factorization: a row along a spring always, a row across a spring only with `all`.
+// Returns whether a row is part of the factorization. A row along a spring always is, a row across it only with `all`.
 bool takes_part(const ResistingSprings::Row& row, bool all) { return all || !is_across(row); }
 
-// Factorizes few rows; rows that take no part are decoupled.
+// Factorizes a system of few rows. Rows that are not part of the factorization are decoupled.
 void factorize_few(bool all, ResistingSprings& s) {
   s.with_D = s.C;
   for (std::size_t i = 0; i < s.rows.size(); ++i) {

@@ -14,7 +14,8 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-constexpr int kMostAsked = 100;  // most joints with forces of a robot whose mobilities are computed
+// Most joints with forces in a robot for which mobilities are computed.
+constexpr int kMostAsked = 100;
 
 // Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
 struct JointForces {
@@ -34,7 +35,8 @@ std::vector<int> joints_with_forces(const JointForces& forces) {
   return out;
 }
 
-// Makes three unit forces per spring between points, and one per joint; over kMostAsked joints: infinite mobility.
+// Makes three unit forces per spring between points, and one per joint. If a robot has more than kMostAsked joints with
+// forces, their mobility is infinite instead.
 std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
                                   Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;
@@ -72,7 +74,8 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  rest.follow(scene, 0);  // gains are zero: placement errors must not affect mobilities
+  // With zero gains, placement errors do not affect mobilities.
+  rest.follow(scene, 0);
   SceneData data(rest.scene);
   data.active = active;
   unit.place(scene, q);

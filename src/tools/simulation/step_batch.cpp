@@ -13,20 +13,21 @@
 
 namespace manycontact {
 
-/// States that are copies in one scene; once a step of one state fails, each state has its own data. Between steps a
-/// part stores only the members of SimulationData from which `step` continues; the other members are the thread's. A
-/// part with dependent rows owns the SimulationData that found these rows.
+/// States that are stepped together as copies in one scene. Once a step of one of them fails, each state has its own
+/// data. Between steps a part stores only the members of SimulationData from which `step` continues; the other members
+/// belong to the thread. A part with redundant rows owns the SimulationData that found these rows.
 struct SimulationBatch::Part {
   Eigen::Index first;
   int states;
-  Eigen::VectorXd q, v, left_q, left_v, contact_v;  // the members of SimulationData, for all copies
+  Eigen::VectorXd q, v, left_q, left_v, contact_v;  // members of SimulationData, for all copies
   Eigen::ArrayX2d account;                          // BoundedEnergy::account, for all copies
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  std::unique_ptr<SimulationData> own;  // null: the thread's data are used
-  std::vector<SimulationData> alone;    // empty, or one entry per state
-  Eigen::VectorXd u;                    // workspace
+  // Null if the thread's data are used.
+  std::unique_ptr<SimulationData> own;
+  std::vector<SimulationData> alone;  // empty, or one entry per state
+  Eigen::VectorXd u;                  // workspace
 };
 
 struct SimulationBatch::Work {
@@ -49,7 +50,7 @@ void expect(bool fits, const char* what) {
   if (!fits) throw std::invalid_argument(what);
 }
 
-// Concatenates `copies` rows of X, from row `first` on, into `out`. Beyond the last row, copies repeat it.
+// Concatenates `copies` rows of X into `out`, from row `first` on. The last row of X is repeated for missing rows.
 void side_by_side(const ConstBatchRows& X, Eigen::Index first, int copies, Eigen::VectorXd& out) {
   out.resize(copies * X.cols());
   for (int k = 0; k < copies; ++k)
@@ -82,7 +83,7 @@ void put_state(const Scene& scene, const SimulationData& d, int copy, Eigen::Ind
   b.f.row(state) = d.f.segment(copy * b.f.cols(), b.f.cols()).transpose();
 }
 
-// Extracts one state of the copies, with all data from which the next step continues.
+// Extracts one state of the copies, with all data with which the next step continues.
 SimulationData taken_out(const Scene& scene, const SimulationData& d, int copy, Eigen::Index rows) {
   const Eigen::VectorXd q = d.q.segment(copy * scene.nq, scene.nq), v = d.v.segment(copy * scene.nv, scene.nv);
   SimulationData out(scene, q, v, d.integrator, d.h, d.dynamics.options);
@@ -117,7 +118,7 @@ std::unique_ptr<SimulationData> data_of_copies(const Work& work, const Part& par
   return std::make_unique<SimulationData>(work.scene, part.q, part.v, work.integrator, work.h, work.options);
 }
 
-// Swaps the members from which a step continues between a part and the data.
+// Swaps the members with which a step continues between a part and `d`.
 void exchange(Part& part, SimulationData& d) {
   part.q.swap(d.q), part.v.swap(d.v);
   part.left_q.swap(d.left_q), part.left_v.swap(d.left_v);
@@ -135,7 +136,7 @@ bool rows_depend(SimulationData& d) {
   return std::ranges::any_of(internal::at_rest_with_joints(d).data.report.islands, has_dependent);
 }
 
-// Calls use(data) with the part's or the thread's data. If `use` returns true, the part owns the data afterwards.
+// Calls use(data) with the data of the part or of the thread. If `use` returns true, the part owns the data afterwards.
 template <class Use>
 void with_data(const Work& work, std::unique_ptr<SimulationData>& of_thread, Part& part, Use&& use) {
   if (part.own) return (void)use(*part.own);
@@ -200,7 +201,7 @@ void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b
            "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
 }
 
-// Updates the data from which the next step continues, after state `copy` was replaced in d.q, d.v.
+// Updates the data with which the next step continues, after state `copy` was replaced in d.q, d.v.
 void renew(const Scene& scene, const Scene& copies, int copy, Eigen::Index rows, SimulationData& d) {
   d.left_q.segment(copy * scene.nq, scene.nq) = d.q.segment(copy * scene.nq, scene.nq);
   d.left_v.segment(copy * scene.nv, scene.nv) = d.v.segment(copy * scene.nv, scene.nv);
@@ -272,7 +273,8 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[copy], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      for (int at = copy; at < last; ++at) {  // also sets the surplus copies of the last state
+      // The surplus copies repeat the last state, and are set too.
+      for (int at = copy; at < last; ++at) {
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
       }

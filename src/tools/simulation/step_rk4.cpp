@@ -22,9 +22,9 @@ Vector series(const Vector& w, const Vector& v, Bracket&& bracket) {
   return v + once / 2 + twice / 12;
 }
 
-// Computes out = v + [w, v]/2 + [w, [w, v]]/12 for every joint, with Lie brackets [ , ]. w, v, out: nv.
+// Computes out = v + [w, v]/2 + [w, [w, v]]/12 for every joint, where [ , ] is the Lie bracket. w, v, out: nv.
 void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::VectorXd& v, Eigen::VectorXd& out) {
-  out = v;  // exact for joints with one coordinate
+  out = v;  // this is exact for joints with one coordinate
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints) {
       const int i = robot.idx_v + joint.idx_v;
@@ -38,7 +38,7 @@ void dexp_inverse(const Scene& scene, const Eigen::VectorXd& w, const Eigen::Vec
     }
 }
 
-// Adds work and mean torques of resisting forces at the state of an RK4 stage. weight: the stage's weight in the step.
+// Adds work and mean torques of resisting forces at an RK4 stage. weight: the stage's weight in the step.
 void account_for_stage(const Scene& scene, double weight, SimulationData& d) {
   const double dt = weight * d.h;
   for (const Robot& robot : scene.robots) {

@@ -12,7 +12,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Whether state and active contacts are unchanged since the last step, so that d.contact_v is valid.
+// Returns whether state and active contacts are unchanged since the last step, so that d.contact_v is valid.
 bool goes_on_from_last(const SimulationData& d) {
   return d.left_active == d.dynamics.active && d.left_q == d.q && d.left_v == d.v;
 }
@@ -24,7 +24,7 @@ void find_momentum_of_armatures(const Scene& scene, SimulationData& d) {
         -d.h * robot.model->armature.cwiseProduct(d.stop.segment(robot.idx_v, robot.model->nv));
 }
 
-// Computes M v and the bias in d.tau, unless the solve does in SIMD batches, and the kinematics that the step needs.
+// Computes the kinematics that the step needs, and M v and the bias in d.tau unless SIMD batches compute these terms.
 void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   stop_in_a_step(scene, d.v, d.h, d.stop);
   d.in_batches = scene.springs.empty();
@@ -34,7 +34,8 @@ void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
 }
 
-// Sets data.wanted to (1 - beta h) c. c is the contact velocity after the last step, or J v if the state was changed.
+// Sets data.wanted to (1 - beta h) c, where c is the contact velocity after the last step, or J v if the state was
+// changed.
 void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
   if (!goes_on) {
@@ -57,7 +58,8 @@ void follow_contact_velocities(SimulationData& d) {
     d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
 }
 
-// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. False: a solve failed.
+// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. Returns false if a solve
+// failed.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {
@@ -83,7 +85,7 @@ void begin_forces(const Scene& scene, const ConstVector& u, SimulationData& d) {
   if (d.resisting->springs) take_springs(scene, d);
 }
 
-// Sets the reason of a failed solve to a spring without direction, where the solve only reports NaN torques.
+// Sets the reason of a failed solve if a spring has no direction. The solve itself only reports NaN torques.
 void name_springs_without_direction(const Scene& scene, SimulationData& d) {
   if (!d.applied) return;
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
@@ -143,7 +145,8 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
   d.dynamics.a = d.dynamics.a / h + d.stop;
-  give_up_solution(d.dynamics);  // the solution is not that of the state after the step
+  // The solution does not belong to the state after the step.
+  give_up_solution(d.dynamics);
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;

@@ -15,7 +15,7 @@ bool rows_may_turn(const Scene& scene, const SimulationData& d) {
 
 namespace {
 
-// Calls use(contact, rows, turning_of_rows, wanted) for active contacts with rotating rows at the state of at_rest.kin.
+// Calls use(contact, rows, turning_of_rows, wanted) for active contacts whose rows rotate at the state of at_rest.kin.
 template <class Use>
 bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
   bool any = false;

@@ -13,7 +13,8 @@ namespace {
 int robot_of(const Scene& scene, int coordinate) {
   const auto after = std::upper_bound(scene.robots.begin(), scene.robots.end(), coordinate,
                                       [](int i, const Robot& robot) { return i < robot.idx_v; });
-  return static_cast<int>(after - scene.robots.begin()) - 1;  // if robots have equal idx_v, the last has it
+  // A robot without coordinates has the idx_v of the next robot, so that the last of equal ones is taken.
+  return static_cast<int>(after - scene.robots.begin()) - 1;
 }
 
 Scene with_ends(const Scene& scene, std::vector<int> (&push)[2]) {

@@ -1,5 +1,5 @@
 #pragma once
-// Unit forces on springs and joints, with torques tau = U x, and components U^T a of a velocity or acceleration a.
+// Unit forces on springs and joints: torques tau = U x of forces x, and components U^T a of a motion a.
 
 #include <algorithm>
 
@@ -7,14 +7,18 @@
 
 namespace manycontact::internal {
 
-/// Finds sets of robots coupled by contacts flagged `active` (`by_springs`: or springs). first[r]: first of r's set.
+/// Finds sets of robots coupled by contacts flagged `active`, or also by springs. first[r] is the first robot of the
+/// set that contains r.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
-  int spring = -1;                                // a spring between points: the force acts on its ends on `island`
-  Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; the opposite on B's end
-  int coordinate = -1;                            // a joint: index of its coordinate in the scene's v
-  int island = -1, number = 0;                    // set by UnitTorques; equal numbers: forces on different islands
+  // Index of a spring between points, whose ends on `island` the force acts on.
+  int spring = -1;
+  Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; B's end gets the opposite
+  // Index of a joint's coordinate in the scene's v, on which the force acts.
+  int coordinate = -1;
+  // Set by UnitTorques; forces with the same number are on different islands.
+  int island = -1, number = 0;
 };
 
 class UnitTorques {
@@ -30,16 +34,16 @@ class UnitTorques {
   /// Stores a velocity or acceleration a (nv), of which `along` returns components. Clears the sum of added forces.
   void look(const Eigen::VectorXd& a);
   double along(const UnitForce& force) const;
-  /// Returns the component of a along a spring, for the ends on `island`; island -1: for both ends.
+  /// Returns the component of a along a spring, for its ends on `island`, or for both ends if island is -1.
   double along(int spring, const Vec3<double>& direction, int island) const;
-  /// Assigns robots to islands, which contacts flagged `active` couple.
+  /// Assigns robots to islands: sets of robots that contacts flagged `active` couple.
   void find_islands(const Scene& scene, const std::vector<char>& active);
   /// Returns the island of a spring's end, or -1 if the end is fixed to the world.
   int island_of(int spring, int end) const { return island_of_end_[end][spring]; }
-  /// Append a spring's unit forces to `to`, one per island of its ends, or a joint's unit force, and number them.
+  /// Append unit forces to `to` and number them: those of a spring, one per island of its ends, or that of a joint.
   void add_forces(int spring, const Vec3<double>& direction, std::vector<UnitForce>& to);
   void add_force(const Scene& scene, int coordinate, std::vector<UnitForce>& to);
-  /// begin_numbers resets the numbering of forces; numbers returns the count of numbers used.
+  /// begin_numbers restarts the numbering of forces. numbers returns how many numbers are in use.
   void begin_numbers() { std::ranges::fill(count_, 0), most_ = 0; }
   int numbers() const { return most_; }
 
@@ -47,9 +51,11 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  std::vector<int> push_[2];           // one entry per spring: wrench on the end; -1: fixed to the world
-  std::vector<int> island_of_end_[2];  // one entry per spring: island of the end; -1: fixed to the world
-  Scene ends_;                         // the robots, with an external wrench in world axes at each movable end
+  // One entry per spring: index of the wrench on its end, or -1 if the end is fixed to the world.
+  std::vector<int> push_[2];
+  // One entry per spring: island of its end, or -1 if the end is fixed to the world.
+  std::vector<int> island_of_end_[2];
+  Scene ends_;  // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;
   AppliedScratch scratch_;
   std::vector<int> robots_;

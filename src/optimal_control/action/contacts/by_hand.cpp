@@ -1,4 +1,4 @@
-// Standalone evaluation of contacts and impulses, as in Crocoddyl: without an action model, at a given motion.
+// Evaluates contacts and impulses standalone, without an action model, at a given motion (as in Crocoddyl).
 
 #include "../named.hpp"
 #include "contact_columns.hpp"
@@ -33,7 +33,7 @@ struct Rows {  // The constraint rows of a contact at a motion.
   ContactData<double> at;
 };
 
-// Computes the constraint rows at the motion, and stores J in the data.
+// Computes the constraint rows of a contact at the motion m, and stores J in the data.
 Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstract& data) {
   data.own_contact = contact;
   Rows rows(m.scene, contact, m.motion);
@@ -43,7 +43,7 @@ Rows take_rows(const MultibodyData& m, const Contact& contact, ContactDataAbstra
   return rows;
 }
 
-// Computes d(J a + a0)/d[q | v] at the motion. terms: derivatives of inverse dynamics (RNEA) at the same motion.
+// Computes d(J a + a0)/d[q | v] at the motion. terms: derivatives of the inverse dynamics (RNEA) at this motion.
 void differentiate_rows(const Scene& scene, const Contact& contact, const std::vector<Kinematics<double>>& motion,
                         const std::vector<RneaDerivatives>& terms, Eigen::MatrixXd& out) {
   const Rows rows(scene, contact, motion);
@@ -136,7 +136,7 @@ void sum_forces(ContactDataMultiple& data) {
   }
 }
 
-// Creates the data of a stack's parts, and allocates the stack's memory for nc rows.
+// Creates the data of all parts of a stack, and allocates the stack's memory for nc rows.
 template <class Parts, class Data>
 void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, MultibodyData* motion, Data& data) {
   for (const auto& [name, item] : parts) data.contacts[name] = model_of(*item).createData(motion);
@@ -151,7 +151,7 @@ void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, Multi
   data.fext.resize(joints);
 }
 
-// Sets the forces of the active contacts (nc rows), zero forces of inactive contacts, and the sum for each body.
+// Sets the forces of active contacts (nc rows in all), zeroes those of inactive contacts, and sums them for each body.
 template <class Parts, class Data>
 void update_forces(const char* where, const char* what, const Parts& parts, std::size_t nc,
                    const std::shared_ptr<Data>& data, const Eigen::VectorXd& force) {
@@ -282,7 +282,7 @@ void ImpulseModelAbstract::calc(const DataPtr& data, const ConstVectorRef&) cons
   (void)take_rows(m, contact_->get_contact(), *data);
 }
 
-// Computes d(J v)/dq as the derivative of a contact's J a + a0 at zero velocity, zero gravity and accelerations a = v.
+// Computes d(J v)/dq as the derivative of a contact's J a + a0, at zero velocity, zero gravity and accelerations a = v.
 void ImpulseModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef&) const {
   const MultibodyData& m = motion_of("ImpulseModel::calcDiff", check_data("ImpulseModel::calcDiff", data));
   std::vector<Kinematics<double>> motion = m.motion;

@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// The first columns of A's robot and of the robot of B' in a matrix with one column per velocity coordinate.
+/// The first columns of A's robot and of B's robot in a matrix with one column per velocity coordinate.
 struct EndColumns {
   int a = 0, b = 0;
 };
@@ -23,7 +23,7 @@ void each_column(const EndColumns& first, const ContactSupport& support, Use&& u
 void set_drift_derivatives(const EndColumns& first, const ContactSupport& support, const ContactData<double>& rows,
                            const ContactDerivatives& d, Eigen::MatrixXd& out);
 
-/// Whether two contacts have rows of the same structure: type, bodies, axis, and placement of A.
+/// Returns whether two contacts have rows of the same structure: type, bodies, axis, and placement of A.
 inline bool have_same_rows(const Contact& a, const Contact& b) {
   const auto on_same_body = [](const Attachment& one, const Attachment& other) {
     return one.robot == other.robot && one.joint == other.joint;

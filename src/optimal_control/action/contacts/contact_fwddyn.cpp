@@ -103,7 +103,7 @@ Model_::Data& Model_::own(const char* where, const DataPtr& data) const {
   return *d;
 }
 
-// Brings the data's scene up to date with the model's contacts, damping and armature, before a calc at x.
+// Updates the data's scene with the model's contacts, damping and armature, before a calc at x.
 Model_::Data& Model_::refresh(const char* where, const DataPtr& data, const ConstVectorRef& x) const {
   Data& d = own(where, data);
   check_size(where, "x", x.size(), state_->get_nx());
@@ -211,7 +211,7 @@ bool Model_::needs_forces() const {
   return needed;
 }
 
-// Computes quasi-static controls u, with the actuation's torques linearised at u = 0.
+// Computes quasi-static controls u. The torques of the actuation are linearised at u = 0.
 void Model_::quasiStatic(const DataPtr& data, VectorRef u, const ConstVectorRef& x, std::size_t, double) {
   constexpr const char* kWhere = "DifferentialActionModelContactFwdDynamics::quasiStatic";
   check_size(kWhere, "u", u.size(), nu_);

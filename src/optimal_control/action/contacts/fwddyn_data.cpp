@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// Makes the scene to solve: the state's robots with the given models, and the contacts in the order of their names.
+// Makes the scene that is solved. It has the state's robots with the given models, and the contacts sorted by name.
 Scene scene_of(const DifferentialActionModelContactFwdDynamics& model,
                const std::vector<std::shared_ptr<const Model>>& models) {
   Scene scene = model.get_model().scene();

@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns the first columns of A's robot and of the robot of B' in a contact's data: A's columns come first.
+// Returns the first columns of A's robot and of B's robot in the data of a contact, where A's columns come first.
 EndColumns columns_of(const Scene& scene, const Contact& contact) {
   const bool two = contact.B.robot >= 0 && contact.B.robot != contact.A.robot;
   return {0, two ? scene.robots[contact.A.robot].model->nv : 0};

@@ -11,27 +11,28 @@ std::vector<std::shared_ptr<const Model>> models_with_armature(const Scene& scen
 /// Writes the contact models' references, gains and status into the scene and the solution. Returns false if new
 /// SceneData are needed because the structure of the rows has changed.
 bool update_contacts(const ContactModelMultiple& contacts, Scene& scene, SceneData& solution);
-/// Whether the data were made for the present frames of the contact models (not only for the same bodies).
+/// Returns whether the data were made for the current frames of the contact models, and not only for the same bodies.
 bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMultiple& data);
 
-/// Sets the rows and columns of the islands, and the patterns of Fx and Fu.
+/// Sets the rows and columns of the islands, and the sparsity patterns of Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
 /// Sets the sizes of the contacts' data.
 void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 
-/// Sets Jc, a0, f of each active contact.
+/// Computes Jc, a0 and f of each active contact.
 void fill_contacts(DataCollector& m);
-/// Sets da0_dx of each active contact and, with `forces`, the views df_dx, df_du.
+/// Computes da0_dx of each active contact and, with `forces`, sets the views df_dx and df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
-/// Copies the islands' panels to Fx, Fu, dense or sparse as the storage requires.
+/// Copies the panels of the islands to Fx and Fu, in dense or sparse storage.
 void fill_dynamics(DifferentialActionDataContactFwdDynamics& data);
 
-enum class Actuation { kActuated, kAll, kCustom };  // u: torques of actuated, of all coordinates; or any tau(x, u)
+// The content of u: torques of actuated coordinates, torques of all coordinates, or controls of a general tau(x, u).
+enum class Actuation { kActuated, kAll, kCustom };
 Actuation kind(const ActuationModelAbstract& actuation, const Scene& scene);
 inline bool by_all_torques(const ActuationModelAbstract& actuation, const Scene& scene) {
   return kind(actuation, scene) != Actuation::kActuated;
 }
-/// Computes m.custom for a custom actuation: derivatives by x and u, from derivatives by torques and dtau/d(x, u).
+/// Computes m.custom for a custom actuation: derivatives w.r.t. x and u, from those w.r.t. torques and of tau(x, u).
 void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m);
 
 }  // namespace manycontact::internal

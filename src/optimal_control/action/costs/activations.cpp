@@ -58,7 +58,7 @@ ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::Ve
                 ", lb <= ub expected");
     if (!std::isfinite(lb[i]) || !std::isfinite(ub[i])) continue;
     const double middle = lb[i] + (ub[i] - lb[i]) / 2, half = (ub[i] - lb[i]) / 2;
-    if (beta == 1) continue;  // keeps the given bounds bit for bit
+    if (beta == 1) continue;  // the given bounds remain exact
     lb[i] = middle - beta * half;
     ub[i] = middle + beta * half;
   }
@@ -66,7 +66,7 @@ ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::Ve
 
 namespace {
 
-// Returns the signed distance of r_i from its bounds: negative below, positive above, zero within.
+// Returns the signed distance of r_i from the interval of its bounds: negative below, positive above, zero within.
 double outside(const ActivationBounds& b, const ConstVectorRef& r, Eigen::Index i) {
   return std::min(r[i] - b.lb[i], 0.0) + std::max(r[i] - b.ub[i], 0.0);
 }

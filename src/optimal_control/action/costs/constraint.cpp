@@ -36,7 +36,7 @@ ConstraintDataResidual::ConstraintDataResidual(ConstraintModelResidual* model, D
   Hx.setZero(nh, ndx), Hu.setZero(nh, nu);
 }
 
-// Computes g = r and h = r - lb from the rows of inequalities and equalities.
+// Computes g = r of the inequality rows and h = r - lb of the equality rows of the residual.
 void ConstraintModelResidual::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {
   internal::calc(*residual_, check_data("ConstraintModelResidual::calc", data).residual, x, u);
   data->g = data->residual->r(inequalities_);
@@ -99,14 +99,14 @@ void ConstraintModelManager::count() {
 
 namespace {
 
-// Returns a function that returns whether a constraint is active in running nodes, or in terminal nodes.
+// Returns a predicate that is true for constraints that are active in running nodes (terminal: in terminal nodes).
 auto holding(bool terminal) {
   return [terminal](const ConstraintItem& item) {
     return item.active && (!terminal || item.constraint->get_T_constraint());
   };
 }
 
-// Selects the rows `kept` of a residual, which become rows first, first + 1, ... of g (or h), in each of its blocks.
+// Returns the rows of each block of a residual that are in `kept`. They become rows first, first + 1, ... of g or h.
 std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<int>& kept, int first, bool sparse,
                         BlockSparse& X, BlockSparse& U) {
   std::vector<int> place(residual.r.size(), -1);
@@ -128,7 +128,7 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
   return parts;
 }
 
-// Copies a result of standalone evaluation to the memory that was given to shareMemory, if it is another memory.
+// Copies a result of standalone evaluation to the memory given to shareMemory, unless both are the same memory.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;
@@ -229,7 +229,7 @@ void ConstraintModelManager::prepare(const char* where, const DataPtr& data, con
   if (u) check_size(where, "u", u->size(), nu_);
 }
 
-// Stacks g = r and h = r - lb of the active constraints.
+// Stacks the values g = r and h = r - lb of the active constraints.
 void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;
   int g = 0, h = 0;

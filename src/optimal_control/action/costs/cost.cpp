@@ -11,7 +11,8 @@ namespace manycontact {
 
 namespace {
 
-// The residual of a user-defined cost that was constructed without one. Its calc does nothing: the cost may write r.
+// The residual of a user-defined cost that was constructed without one. Its calc does nothing, because the cost may
+// write r itself.
 class OwnResidual final : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::ResidualModelAbstract;
@@ -32,7 +33,7 @@ std::size_t nr_of(const std::shared_ptr<ActivationModelAbstract>& activation) {
   return internal::given("CostModelAbstract", activation, "an activation")->get_nr();
 }
 
-// Computes the cost's derivatives (Hessians by Gauss-Newton) from the residual's blocks.
+// Computes the cost's derivatives from the residual's blocks, with Gauss-Newton Hessians.
 CostDerivatives by_residual(const CostDataAbstract& d) {
   const Eigen::MatrixXd Rx = d.residual->whole_Rx(), Ru = d.residual->whole_Ru();
   const auto& Arr = d.activation->Arr;
@@ -140,7 +141,7 @@ namespace {
 bool is_active(const CostItem& item) { return item.active; }
 std::size_t nr_of(const CostItem& item) { return item.cost->get_residual()->get_nr(); }
 
-// Sets derivatives to zero; in a terminal node only Lx and Lxx.
+// Sets all derivatives to zero. In a terminal node these are only Lx and Lxx.
 template <class Derivatives>
 void set_zero(Derivatives& d, bool terminal) {
   d.Lx.setZero();
@@ -161,7 +162,7 @@ template class NamedParts<StateAbstract, CostItem>;
 CostModelSum::CostModelSum(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : NamedParts("CostModelSum", "cost", std::move(state), nu) {}
 
-// Adds a cost, and updates the number of rows; counting all costs again would take quadratic time for many costs.
+// Adds a cost and updates the number of rows. Counting the rows of all costs again would make many additions slow.
 void CostModelSum::addCost(const std::string& name, std::shared_ptr<CostModelAbstract> cost, double weight,
                            bool active) {
   internal::check_part(name_, name, cost, state_, nu_);
@@ -209,7 +210,7 @@ void CostModelSum::differentiate(const DataPtr& data, const ConstVectorRef& x, c
   add_up(*data, !u);
 }
 
-// Adds up the derivatives of each cost in standalone evaluation, in which costs have whole Lx, ..., Luu.
+// Sums the derivatives of all costs in standalone evaluation, in which each cost has complete Lx, ..., Luu.
 void CostModelSum::add_up_by_hand(CostDataSum& data, bool terminal) const {
   set_zero(data, terminal);
   internal::for_each_part(parts_, data.costs, is_active, [&](const CostItem& item, const auto& d) {

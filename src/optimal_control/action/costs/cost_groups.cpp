@@ -25,7 +25,7 @@ bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1
 // Workspace for one group of costs.
 struct Scratch {
   std::vector<double> L, R;  // row-major: L = [Rx Ru], R = [w Arr Rx, w Arr Ru, w Ar]
-  std::vector<double> H;     // L^T R: Hessian, and the gradient in the last column
+  std::vector<double> H;     // L^T R: the Hessian, with the gradient in its last column
 };
 
 const ResidualBlock& block_of(const CostGroup::Member& member) { return member.cost->residual->blocks[member.block]; }
@@ -41,7 +41,7 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
           "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
 }
 
-// Copies the upper triangle of a symmetric row-major matrix H to the lower triangle. ld: row length, multiple of eight.
+// Copies the upper triangle of a symmetric row-major matrix to the lower triangle. ld: its row length, a multiple of 8.
 void mirror(double* H, int n, int ld) {
   using Tile = Eigen::Matrix<double, 8, 8, Eigen::RowMajor>;
   using Place = Eigen::Map<Tile, 0, Eigen::OuterStride<>>;
@@ -66,7 +66,7 @@ void add_gradient(const double* gradient, int ld, const std::vector<int>& cols, 
   for (std::size_t j = 0; j < cols.size(); ++j) out[cols[j]] += gradient[j * ld];
 }
 
-// Copies the group's rows into L and R, without rows of zero weight (inactive barriers). Returns the number of rows.
+// Copies the rows of a group into L and R, except for rows of zero weight (inactive barriers). Returns their number.
 int gather(const CostGroup& g, const std::vector<double>& weights, int nx, int nu, int ld, Scratch& work) {
   int depth = 0;
   for (const CostGroup::Member& member : g.members) {
@@ -191,7 +191,8 @@ void CostGroups::add_own(const std::vector<double>& weights, bool terminal, Cost
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
   add_own(weights, terminal, out);
-  thread_local Scratch work;  // one workspace for all nodes that a thread evaluates, so that it remains in the cache
+  // All nodes that a thread evaluates share one workspace, so that it remains in the cache.
+  thread_local Scratch work;
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);
   if (work.H.size() < widest_ * widest_) work.H.resize(widest_ * widest_);

@@ -14,12 +14,12 @@ void require_at_least_zero(double given, const char* where, const char* what) {
   require(given >= 0, where, std::string(what) + " is " + std::to_string(given) + ", zero or more expected");
 }
 
-// Returns the facets' coefficient of friction: smaller than mu if the pyramid is inside the cone.
+// Returns the friction coefficient of the facets, which is smaller than mu if the pyramid is inside the cone.
 double facet_mu(double mu, std::size_t nf, bool inner) {
   return inner ? mu * std::cos(std::numbers::pi / static_cast<double>(nf)) : mu;
 }
 
-// Sets the two rows of +-(moment about `axis`) - side/2 f_z <= 0; they are zero for an infinite side.
+// Sets the two rows of +-(moment about `axis`) - side/2 f_z <= 0. They are zero for an infinite side.
 template <class Rows>
 void pressure_rows(const Eigen::Matrix3d& R, double side, int axis, Rows&& A) {
   A.setZero();
@@ -70,7 +70,7 @@ void FrictionCone::update() {
   const double mu = facet_mu(mu_, nf_, inner_);
   const Eigen::Index n = static_cast<Eigen::Index>(nf_);
   for (Eigen::Index i = 0; i < n / 2; ++i) {
-    // +-t^T f - mu f_n <= 0, with the i-th tangent t and the normal force f_n
+    // The rows are +-t^T f - mu f_n <= 0, with the i-th tangent t and the normal force f_n.
     const double angle = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
     const Eigen::Vector3d t = std::cos(angle) * R_.col(0) + std::sin(angle) * R_.col(1);
     A_.row(2 * i) = (t - mu * R_.col(2)).transpose();
@@ -111,7 +111,7 @@ void WrenchCone::update() {
   ub_[n] = get_max_nforce();
   pressure_rows(R, box_[1], 0, A_.middleRows<2>(n + 1));
   pressure_rows(R, box_[0], 1, A_.middleRows<2>(n + 3));
-  // Yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015): four lower bounds, then four upper bounds.
+  // The yaw torque of a rectangular foot (Caron, Pham, Nakamura 2015) has four lower bounds, then four upper bounds.
   const double L = box_[0] / 2, W = box_[1] / 2;
   if (!std::isfinite(L + W)) return;
   const double mu = facet_mu(get_mu(), get_nf(), get_inner_appr());

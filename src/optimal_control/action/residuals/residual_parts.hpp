@@ -10,13 +10,13 @@ const State& given(const std::shared_ptr<State>& state) {
   return *state;
 }
 
-/// Returns nu, or nv if nu is kDefaultNu.
+/// Returns nu, or the state's nv if nu is kDefaultNu.
 inline std::size_t nu_or_default(const std::shared_ptr<StateAbstract>& state, std::size_t nu) {
   const std::size_t nv = given(state).get_nv();
   return nu == kDefaultNu ? nv : nu;
 }
 
-/// Casts the state of a residual whose constructor takes a StateMultibody to that class.
+/// Casts the state to StateMultibody. This is valid for residuals whose constructor takes a StateMultibody.
 inline const StateMultibody& multibody(const std::shared_ptr<StateAbstract>& state) {
   return static_cast<const StateMultibody&>(*state);
 }
@@ -29,7 +29,7 @@ inline const Multibody::BodyFrame& body_frame(const char* who, const StateMultib
   return frames[id];
 }
 
-/// Casts the data of a residual to the class Data that the residual's createData creates.
+/// Casts the data of a residual to the class Data, which the residual's createData creates.
 template <class Data>
 Data& own(ResidualDataAbstract& data) {
   return static_cast<Data&>(data);

@@ -20,7 +20,8 @@ Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last,
   return c / mass;
 }
 
-// Returns m dc/dq_i, with total mass m and centre of mass c: the linear momentum of the subtree that moves with S_i.
+// Returns the linear momentum of the subtree that moves with S_i, which is m dc/dq_i (m: total mass, c: centre of
+// mass).
 Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { return (Yc * S).head<3>(); }
 
 }  // namespace
@@ -99,8 +100,9 @@ void ResidualModelCentroidalMomentum::evaluate(ResidualDataAbstract& data, const
   }
 }
 
-// A subtree's momentum h = [l; k]: dh/dq_i = S x* h + Yc (v_p x S), dh/dv_i = Yc S (Yc: its inertia; v_p: velocity of
-// the parent). About the centre of mass c the angular momentum changes by dk - dc x l - c x dl, with l of all robots.
+// The momentum of a subtree is h = [l; k]. With its inertia Yc and the velocity v_p of its parent body,
+//     dh/dq_i = S x* h + Yc (v_p x S)        dh/dv_i = Yc S
+// About the centre of mass c, the angular momentum changes by dk - dc x l - c x dl, where l is that of all robots.
 void ResidualModelCentroidalMomentum::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                                   const ConstVectorRef&) const {
   auto& d = internal::own<CentroidalData>(data);

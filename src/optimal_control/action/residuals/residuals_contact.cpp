@@ -18,14 +18,15 @@ struct ContactResidualData : ResidualDataAbstract {
   Eigen::MatrixXd B;                                    // set by calc
   Eigen::VectorXd b;                                    // set by calc
   // The following members are used if the cone's axes are not kContact.
-  std::vector<int> columns;  // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B' robot
-  Mat3<double> oRX, oRF;     // set by calc: rotations to the world of the cone's axes X and the force's axes F
+  // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B's robot
+  std::vector<int> columns;
+  Mat3<double> oRX, oRF;  // set by calc: rotations to the world of the cone's axes X and the force's axes F
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3: derivative of the wrench by a rotation
   Eigen::MatrixXd B_turned;                                  // nr x 3: derivative of r by a rotation
   Mat6X<double> J;                                           // workspace: frame Jacobian of A or of B'
 };
 
-// Returns the rotation to the world of an attachment's frame, A or B'.
+// Returns the rotation from the frame of an attachment (A or B') to the world.
 Mat3<double> axes_of(const DataCollector& shared, const Attachment& at) {
   if (at.robot < 0) return at.placement.R;
   const SE3<double>& base = shared.scene.robots[at.robot].base;
@@ -42,7 +43,7 @@ void find_axes(const Contact& contact, ConeAxes axes, ContactResidualData& d) {
                                      : Mat3<double>(Mat3<double>::Identity());
 }
 
-// Appends for each velocity coordinate of the robot the column of Rx for its q, or -1 if Rx has no such column.
+// Appends the column of Rx for each coordinate of the robot's q, or -1 if Rx has no such column.
 void find_columns(const DataCollector& shared, int robot, const std::vector<int>& x_columns, std::vector<int>& out) {
   const Robot& r = shared.scene.robots[robot];
   for (int i = 0; i < r.model->nv; ++i) {
@@ -51,7 +52,7 @@ void find_columns(const DataCollector& shared, int robot, const std::vector<int>
   }
 }
 
-// Adds sign B_turned th_i to Rx, where th_i is the derivative of the attachment's rotation by q_i of its robot.
+// Adds sign B_turned th_i to Rx, where th_i is the derivative of the attachment's rotation w.r.t. q_i of its robot.
 void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
   const Robot& robot = d.shared->scene.robots[at.robot];
   auto J = d.J.leftCols(robot.model->nv);
@@ -61,7 +62,7 @@ void add_turning(const Attachment& at, double sign, const int* columns, ContactR
     if (columns[i] >= 0) Rx.col(columns[i]) += sign * d.B_turned.lazyProduct(J.col(i).tail<3>());
 }
 
-// Computes out = B df, and skips zero entries of B, which are many.
+// Computes out = B df. Zero entries of B, of which there are many, are skipped.
 void multiply(const Eigen::MatrixXd& B, const PanelView& df, RowMajorMatrix& out) {
   out.setZero();
   for (Eigen::Index i = 0; i < B.rows(); ++i)
@@ -133,7 +134,8 @@ void ContactResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&
     return;
   }
   const Contact& contact = *d.contact->contact;
-  internal::unit_wrenches(contact.type, contact.axis, d.P);  // the contact's axis may have changed since lay_out
+  // This is repeated, because the contact's axis may have changed since lay_out.
+  internal::unit_wrenches(contact.type, contact.axis, d.P);
   if (axes_ != ConeAxes::kContact) {
     find_axes(contact, axes_, d);
     const Mat3<double> turn = d.oRX.transpose() * d.oRF;
@@ -150,7 +152,8 @@ void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
-  // World wrench: w = oRF P f. Rotations th of the axes F, X change r = A oRX^T w by A oRX^T (th_F - th_X) x w.
+  // The wrench in world axes is w = oRF P f. Rotations th_F, th_X of the axes F and X change r = A oRX^T w by A oRX^T
+  // (th_F - th_X) x w.
   const Contact& contact = *d.contact->contact;
   const Vec6<double> in_cone = d.P * d.contact->f;
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();

@@ -12,17 +12,17 @@ namespace {
 struct FrameResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   const Multibody::BodyFrame* frame = nullptr;  // set by lay_out
-  std::vector<int> chain;                       // set by lay_out: the robot's coordinates that move the frame
+  std::vector<int> chain;                       // set by lay_out: coordinates of the robot that move the frame
 
   const Kinematics<double>& kin() const { return shared->kinematics(frame->robot); }
   const SE3<double>& base() const { return shared->scene.robots[frame->robot].base; }
   const Model& model() const { return *shared->scene.robots[frame->robot].model; }
   SE3<double> oMf() const { return frame_placement<double>(kin(), base(), frame->joint, frame->placement); }
-  // The frame's placement in the robot's tree frame. The frame must not be fixed to the base.
+  // Returns the frame's placement in the tree frame of its robot. The frame must not be fixed to the base.
   SE3<double> in_tree() const { return kin().oMi[frame->joint] * frame->placement; }
 };
 
-// Returns the spatial velocity m = [linear; angular] at the point p instead of the origin, with unchanged axes.
+// Transforms the spatial velocity m = [linear; angular] at the origin to that at the point p, in the same axes.
 Vec6<double> at_point(const Eigen::Vector3d& p, const Vec6<double>& m) {
   Vec6<double> out = m;
   out.head<3>() -= p.cross(m.tail<3>());
@@ -122,8 +122,8 @@ void ResidualModelFrameVelocity::evaluate(ResidualDataAbstract& data, const Cons
   data.r = v - reference_;
 }
 
-// Derivatives in the tree frame, with S = S_i, the body's velocity v, and the velocity v_p of the parent of joint i:
-//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. The frame also moves with S, which cancels the term S x v.
+// In the tree frame, with S = S_i, the body's velocity v, and the velocity v_p of the parent of joint i:
+//   dv/dq_i = v_p x S - v x S = S x v - S x v_p. In the frame's own axes S x v cancels, because they also move with S.
 void ResidualModelFrameVelocity::fill_blocks(ResidualDataAbstract& data, const ConstVectorRef&,
                                              const ConstVectorRef&) const {
   auto& d = internal::own<FrameResidualData>(data);

@@ -29,7 +29,7 @@ void set_static_part(GravityData& d, bool contacts) {
   }
 }
 
-// Adds the entries of `matrix` (nv rows) in the rows of an island and the given columns to out.
+// Adds to `out` the entries of `matrix` (nv rows) that are in the rows of an island and in the given columns.
 void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double>& matrix,
               const std::vector<int>& columns, RowMajorMatrix& out) {
   if (matrix.nonZeros() == 0) return;
@@ -38,7 +38,7 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
       if (d.island[it.row()] == island) out(d.local[it.row()], static_cast<Eigen::Index>(j)) += it.value();
 }
 
-// Adds J^T df to block i. The force derivatives df are the rows below the accelerations in the island's panel.
+// Adds J^T df to block i. The derivatives df of the forces follow the accelerations in the rows of the island's panel.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
   const Island& island = solved_island(d.shared->solution, i);
@@ -62,7 +62,7 @@ void add_force_part(GravityData& d, std::size_t i) {
 
 }  // namespace
 
-// Declares dependence on v, which forces and general actuations cause; lay_out omits columns of v that are not needed.
+// Declares dependence on v, which forces and general actuations cause. lay_out omits columns of v if neither exists.
 GravityResidual::GravityResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nu, bool contacts)
     : NamedResidual(name, state, internal::given(state).get_nv(), nu,
                     {.q = true, .v = true, .u = true, .forces = contacts}),
@@ -96,7 +96,8 @@ void GravityResidual::lay_out(ResidualDataAbstract& data) const {
       d.island[v[k]] = static_cast<int>(i);
     }
     std::vector<int> x = islands[i].x;
-    if (!contacts_ && d.shared->custom.empty()) x = v;  // only columns of q: the residual does not depend on v
+    // Takes only columns of q, because the residual does not depend on v.
+    if (!contacts_ && d.shared->custom.empty()) x = v;
     for (int dof : v) d.q_column[i].push_back(static_cast<int>(std::find(x.begin(), x.end(), dof) - x.begin()));
     d.blocks.emplace_back(v, std::move(x), islands[i].u);
     d.dg.emplace_back(v.size(), v.size());

@@ -7,9 +7,10 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  std::vector<std::vector<Vec6<double>>> v, h;  // body velocities, subtree momenta of motion w, by robot and joint
-  Eigen::VectorXd w;                            // nv: v+ - v
-  Eigen::MatrixXd Jcom;                         // 3 x nv
+  // Velocities of bodies and momenta of subtrees for the joint velocities w, per robot and joint.
+  std::vector<std::vector<Vec6<double>>> v, h;
+  Eigen::VectorXd w;     // velocity jump v+ - v (nv)
+  Eigen::MatrixXd Jcom;  // 3 x nv
 };
 
 }  // namespace

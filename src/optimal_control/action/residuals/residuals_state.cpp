@@ -10,7 +10,7 @@ namespace {
 
 Eigen::VectorXd zeros(std::size_t n) { return Eigen::VectorXd::Zero(n); }
 
-// Adds a block for the row r = x_i + const. or r = u_i + const.
+// Adds a block for a row r = x_i + const. or r = u_i + const.
 void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<int>& ucols, ResidualDataAbstract& data) {
   ResidualBlock& block = data.blocks.emplace_back(std::vector<int>{row}, xcols, ucols);
   block.Rx.setOnes();
@@ -18,7 +18,7 @@ void add_coordinate(int row, const std::vector<int>& xcols, const std::vector<in
   block.constant = true;
 }
 
-// Returns the state if it is StateMultibody itself, else nullptr: derived classes may define other differences.
+// Returns the state if its class is StateMultibody, else null, because derived classes may have other differences.
 const StateMultibody* exact_multibody(const StateAbstract& state) {
   return typeid(state) == typeid(StateMultibody) ? static_cast<const StateMultibody*>(&state) : nullptr;
 }
@@ -40,7 +40,7 @@ ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, con
 ResidualModelState::ResidualModelState(std::shared_ptr<StateAbstract> state, std::size_t nu)
     : ResidualModelState(state, internal::given(state).zero(), nu) {}
 
-// Makes one block for the q of each joint, then one block for each velocity coordinate of this joint.
+// Makes for each joint one block for its q, and then one block for each of its velocity coordinates.
 void ResidualModelState::lay_out(ResidualDataAbstract& data) const {
   const auto* multibody = exact_multibody(*state_);
   if (!multibody) return ResidualModelAbstract::lay_out(data);

@@ -24,8 +24,9 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this share of m
-constexpr double kHoped = 0.3;     // m is expected to be this multiple of m after the next minimisation
+// The penalty increases if m after a minimisation is more than this multiple of m before.
+constexpr double kProgress = 0.1;
+constexpr double kHoped = 0.3;  // expected multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
@@ -33,11 +34,15 @@ constexpr int kFlat = 2;                // consecutive minimisations without a s
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
 constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
 constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
-constexpr int kWindow = 10;             // number of iterations between tests of a minimisation for slow convergence
-constexpr double kSlow = 0.1;           // slow: `stop` is above this multiple of its value two iterations before,
-constexpr double kStillSlow = 0.3;      // and above this multiple of its value one iteration before
-constexpr double kNearer = 0.1;         // quasi-Newton steps are retried below this multiple of `stop` at their failure
-constexpr double kCrawl = 0.01;         // least useful reduction, as a share of the constraints' terms
+// Number of iterations between two tests for slow convergence of a minimisation.
+constexpr int kWindow = 10;
+// Gauss-Newton steps are slow if `stop` is above kSlow times its value two iterations before, and above kStillSlow
+// times its value one iteration before
+constexpr double kSlow = 0.1;
+// See the comment on kSlow.
+constexpr double kStillSlow = 0.3;
+constexpr double kNearer = 0.1;  // quasi-Newton steps are retried below this multiple of `stop` at their failure
+constexpr double kCrawl = 0.01;  // smallest useful reduction, relative to the constraints' terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -49,7 +54,7 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// Returns the expected reduction that ends a minimisation: constraints then have errors of about 0.09 m (previous m).
+// Returns the expected reduction at which the next minimisation ends. The constraints then have errors of 0.09 times m.
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
@@ -57,7 +62,7 @@ double tolerance_after(double m, double rho, double smallest) {
 
 }  // namespace
 
-// Passes each iteration of the unconstrained solver on to the callbacks.
+// Reports each iteration of the unconstrained solver to the callbacks of this solver.
 class SolverAugmentedLagrangian::Relay : public CallbackAbstract {
  public:
   explicit Relay(SolverAugmentedLagrangian& outer) : outer_(outer) {}
@@ -142,7 +147,7 @@ void SolverAugmentedLagrangian::minimise(std::size_t maxiter, double init_reg) {
   descend(reported_ + most, init_reg);
 }
 
-// Minimises by Gauss-Newton steps. When these steps are slow, quasi-Newton steps (SolverDDP::descend) continue.
+// Minimises by Gauss-Newton steps. If these are slow, continues with quasi-Newton steps (SolverDDP::descend).
 void SolverAugmentedLagrangian::descend(std::size_t last, double init_reg) {
   for (;; init_reg = NAN) {
     if (curved_) {
@@ -169,7 +174,8 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// Reports an iteration. The violation is measured after accepted steps only; else nodes' data are of a rejected step.
+// Reports an iteration. The violation is measured only after accepted steps, because nodes otherwise contain the data
+// of a rejected step.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -193,7 +199,7 @@ void SolverAugmentedLagrangian::reportIteration() {
   if (interrupted_ || crawls() || isSlow()) inner_->interrupt();
 }
 
-// Whether Gauss-Newton steps converge slowly, and `stop` is small enough to try quasi-Newton steps (again).
+// Returns whether Gauss-Newton steps converge slowly, and `stop` is small enough to try quasi-Newton steps (again).
 bool SolverAugmentedLagrangian::isSlow() {
   slow_ = !curved_ && is_feasible_ && stop_ > tolerance_ && stop_ > kSlow * last_stops_[0] &&
           stop_ > kStillSlow * last_stops_[1] && stop_ < kNearer * failed_stop_;
@@ -201,7 +207,8 @@ bool SolverAugmentedLagrangian::isSlow() {
   return slow_;
 }
 
-// Whether kWindow iterations hardly reduced the augmented Lagrangian and the violation: the minimisation then ends.
+// Tests every kWindow iterations. Returns whether they hardly reduced the augmented Lagrangian and the violation, so
+// that the minimisation ends.
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
@@ -218,8 +225,8 @@ void SolverAugmentedLagrangian::measureViolation() {
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Computes violation, m and KKT residual at the candidate, with the multipliers y+ of the constraints and Vx of the
-// dynamics. (Multipliers by an adjoint recursion would grow for unstable motions.)
+// Computes violation, KKT residual and m = max |y+ - y| / rho at the candidate. The multipliers are y+ for the
+// constraints and Vx for the dynamics, because multipliers from an adjoint recursion would grow for unstable motions.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // computeDirection calls calc itself at iteration 0
   inner_->set_preg(inner_->get_reg_min() * scale_);
@@ -269,7 +276,7 @@ StopReason SolverAugmentedLagrangian::judge(std::size_t maxiter) {
   return met ? StopReason::kNoStep : StopReason::kInfeasible;
 }
 
-// Whether kFlat consecutive minimisations with dominating constraints ended without a smaller violation.
+// Returns whether kFlat consecutive minimisations with dominating constraints ended without a smaller violation.
 bool SolverAugmentedLagrangian::comesNoCloser(StopReason inner) {
   const double added = merit_ - cost_;
   const bool settled =
@@ -290,7 +297,7 @@ void SolverAugmentedLagrangian::updateMultipliers() {
     curved_ = false;
   } else if (const double least = rho_init_ * std::min(scale_, kkt_scale_);
              small && kkt_ > th_kkt_ && kkt_ > 0.5 * best_kkt_ && rho_ > least) {
-    // Multipliers have errors of rho times the constraints' rounding errors, which a smaller penalty rho reduces.
+    // Multipliers have errors of rho times the rounding errors of the constraints, which a smaller penalty rho reduces.
     set_penalty(std::max(rho_ / rho_factor_, least));
   }
   tolerance_ = std::min(small ? std::min(0.01 * tolerance_, th_stop_ * scale_) : tolerance_,

@@ -1,4 +1,4 @@
-// Makes the nodes of the augmented Lagrangian from the problem's nodes, and reads or sets their multipliers.
+// Makes the nodes of the augmented Lagrangian from the nodes of the problem, and reads or sets their multipliers.
 
 #include <algorithm>
 
@@ -27,7 +27,7 @@ AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Ei
   return {model, data};
 }
 
-// Makes a copy of a node of subproblems. Subproblems with constraint rows are augmented.
+// Copies a node of several subproblems. Subproblems with constraint rows are augmented in the copy.
 AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
                            const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                            std::vector<Augmented>& out) const {
@@ -45,8 +45,8 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   return {model, model->createData(std::move(datas))};
 }
 
-// Augments a node or a subproblem. Without constraint rows it is returned unchanged, unless augments_all_ is set and it
-// has dense matrices. rows: indices of its rows among the rows of the problem's node.
+// Augments a node or a subproblem. Without constraint rows, `of` is returned unchanged, unless augments_all_ is set and
+// the node has dense matrices. rows: indices of its constraint rows among the rows of the problem's node.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());
@@ -64,7 +64,7 @@ AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const 
   return out;
 }
 
-// Whether augmented_ was built from the problem's current nodes.
+// Returns whether augmented_ was made from the current nodes of the problem.
 bool AL::is_decorated() const {
   const std::size_t T = problem_->get_T();
   if (augmented_->get_T() != T) return false;
@@ -169,7 +169,7 @@ void collect_values_of(const ActionModelAbstract& model, const std::shared_ptr<A
 
 }  // namespace
 
-// Collects cost, xnext, g, h of the problem's nodes from their subproblems, which the augmented nodes have evaluated.
+// Collects cost, xnext, g, h of the problem's nodes from the subproblems that the augmented nodes have evaluated.
 void AL::collectParts() {
   for (const Node& node : nodes_) collect_values_of(*node.own.model, node.own.data);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// The constraints of a node as rows c = [g; h] with bounds, lo <= c <= hi. P is the projection onto [lo, hi].
+// The constraints of a node as rows c = [g; h] with bounds lo <= c <= hi. P is the projection onto [lo, hi].
 
 #include <algorithm>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// The constraint rows of a terminal node, calc(data, x), or of a running node, calc(data, x, u).
+/// The constraint rows of a terminal node, evaluated by calc(data, x), or of a running node, by calc(data, x, u).
 class ConstraintRows {
  public:
   ConstraintRows(const ActionModelAbstract& model, bool terminal)
@@ -24,12 +24,12 @@ class ConstraintRows {
   auto x_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gx.row(i) : d.Hx.row(i - ng_); }
   auto u_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gu.row(i) : d.Hu.row(i - ng_); }
 
-  /// Returns y+ = rho (z - P(z)), where z = c + y / rho; NaN if c is NaN.
+  /// Returns the next multiplier y+ = rho (z - P(z)) of row i, where z = c + y / rho. NaN if c is NaN.
   double next_multiplier(const ActionDataAbstract& d, Eigen::Index i, double y, double rho) const {
     const double c = value(d, i);
     return std::max(y + rho * (c - upper(i)), 0.0) + std::min(y + rho * (c - lower(i)), 0.0);
   }
-  /// Returns c - P(c).
+  /// Returns the signed violation c - P(c) of row i.
   double violation(const ActionDataAbstract& d, Eigen::Index i) const { return next_multiplier(d, i, 0, 1); }
 
  private:
@@ -42,7 +42,7 @@ inline ConstraintRows rows_at(const ShootingProblem& problem, std::size_t t) {
 }
 
 enum class Rows { kInequalities, kEqualities, kAll };
-/// Returns the largest violation (LInf) or the sum of violations (L1) of all evaluated nodes; NaN if any is NaN.
+/// Returns the largest violation (LInf) or the sum of violations (L1) of all evaluated nodes, or NaN if any is NaN.
 double infeasibility(const ShootingProblem& problem, Rows which, FeasibilityNorm norm);
 
 }  // namespace manycontact::internal

@@ -18,7 +18,7 @@ namespace {
 using Vectors = std::vector<Eigen::VectorXd>;
 using internal::ConstraintRows;
 
-// The largest |number| that was added; infinite if a number was not finite.
+// The largest magnitude of the numbers that were added. It is infinite if a number was not finite.
 struct Largest {
   double value = 0;
   void add(double number) {
@@ -30,7 +30,7 @@ struct Largest {
   }
 };
 
-// Returns y^T times column i of dc/dx or of dc/du, where row(k) is row k of this matrix; zero if y is null.
+// Returns y^T times column i of dc/dx or dc/du, where row(k) returns row k of this matrix, or zero if y is null.
 template <class Row>
 double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
   double sum = 0;
@@ -47,7 +47,7 @@ bool is_of_parts(const ShootingProblem& problem) {
   return false;
 }
 
-// Adds c - P(c + y / scale) of each constraint row c to `worst`; P projects onto the bounds of c.
+// Adds c - P(c + y / scale) of each constraint row c to `worst`, where P projects onto the bounds of c.
 void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y, double scale,
                      Largest& worst) {
   check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
@@ -57,7 +57,8 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the gradient `slope` for control i or, with limits, u - P(u - slope) to `worst`; P projects onto the limits.
+// Adds the gradient `slope` of control i to `worst`. With limits, adds u - P(u - slope) instead, where P projects onto
+// the limits.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())
@@ -90,7 +91,8 @@ double kkt_residual_of_part(const ShootingProblem& problem, const Vectors& xs, c
     const ConstraintRows rows = rows_at(problem, t);
     const Eigen::VectorXd* y = ys.empty() ? nullptr : &ys[t];
     if (y) add_constraints(rows, d, *y, scale, worst);
-    if (coupled) {  // scene_gradient eliminates the wrenches by derivatives of the whole scene's dynamics
+    // If coupled, scene_gradient eliminates the wrenches with derivatives of the whole scene's dynamics.
+    if (coupled) {
       scene_gradient(static_cast<const ActionModelParts&>(model), static_cast<ActionDataParts&>(d),
                      l[std::min(t + 1, T)], t == T, y ? *y : none, by_x, by_u);
       worst.add((by_x - l[t]) / scale);
@@ -147,7 +149,8 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
 
 namespace {
 
-// Calls use(g_t[i], u_t[i], limits of u_t[i]), where l_T = lx_T, l_t = lx + fx^T l_(t+1), g_t = lu + fu^T l_(t+1).
+// Calls use(g_t[i], u_t[i], lower limit, upper limit) for each control i of node t. The gradient is g_t = lu + fu^T
+// l_(t+1), with l_T = lx_T and l_t = lx + fx^T l_(t+1).
 template <class Use>
 void each_slope_of_part(const ShootingProblem& problem, const Vectors& us, bool limits, Use&& use) {
   const std::size_t T = problem.get_T();
@@ -223,7 +226,7 @@ double kkt_residual(ShootingProblem& problem, const Vectors& xs, const Vectors& 
 
 namespace {
 
-// Whether control i of u is at a limit; false if `limits` is false.
+// Returns whether control i of u is at a limit. Without `limits`, returns false.
 bool stands_at_limit(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits) {
   return limits && model.get_has_control_limits() && (u[i] <= model.get_u_lb()[i] || u[i] >= model.get_u_ub()[i]);
 }
@@ -252,7 +255,7 @@ lq::Problem problem_of(const ShootingProblem& problem, const Vectors& us, bool l
   return out;
 }
 
-// Returns the least-squares multipliers of a subproblem; NaN if there are none, e.g. for contradictory couplings.
+// Returns the least-squares multipliers of a subproblem, or NaN if there are none, as for contradictory couplings.
 Vectors of_part(const ShootingProblem& problem, const Vectors& us, bool limits) {
   const std::vector<ActionPart> blocks = internal::blocks_of(problem);
   const lq::Problem lq = problem_of(problem, us, limits, blocks);

@@ -8,7 +8,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Sets the matrices of a group of one block from the node's derivatives, except C and D (see fill_nodes).
+// Sets the matrices of a group of one block from the node's derivatives, except C and D, which fill_nodes sets.
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
   to.q = from.Lx;
@@ -16,7 +16,8 @@ void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from
   if (terminal) return;
   to.r = from.Lu;
   from.dynamics(to.A, to.B);
-  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {  // pads a node with fewer controls than others
+  // Adds zero columns for a node with fewer controls than others.
+  if (const Eigen::Index u = to.R.cols(), own = to.B.cols(); own < u) {
     to.B.conservativeResize(Eigen::NoChange, u);
     to.B.rightCols(u - own).setZero();
     to.r.conservativeResize(u);

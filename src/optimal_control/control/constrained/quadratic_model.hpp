@@ -6,12 +6,13 @@
 
 namespace manycontact::internal {
 
-/// Returns node t if it has couplings, else nullptr.
+/// Returns the model of node t if the node has couplings, otherwise null.
 const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);
-/// Returns the subproblems of coupled nodes, equal in all nodes; without couplings one subproblem of all coordinates.
+/// Returns the subproblems of coupled nodes, which are the same in all nodes. Without couplings, there is one
+/// subproblem with all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 
-/// Makes a knot with one group per block. couplings: pairs of blocks; each coupling has six rows and six variables.
+/// Makes a knot with one group per block. couplings: pairs of blocks. Each coupling has six rows and six variables.
 lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& couplings);
 /// Makes the linear-quadratic problem with all matrices and vectors zero.
 lq::Problem structure_of(const ShootingProblem& problem, const std::vector<ActionPart>& blocks);

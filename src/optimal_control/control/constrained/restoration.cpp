@@ -1,5 +1,6 @@
-// Minimises the violation of the constraints without the costs, to find whether the constraints can be satisfied.
-// Terms: augmented_lagrangian.hpp (r are the violations, C their Jacobian; `stop` is the expected reduction of a step).
+// Minimises the violation of the constraints without the costs, to find whether the constraints can be satisfied. In
+// this file r are the violations, C is their Jacobian, and `stop` is the expected reduction of a step
+// (augmented_lagrangian.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -20,35 +21,42 @@ using internal::largest_number;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;      // a solve discards a motion whose cost exceeds this multiple of the previous cost
-constexpr double kWorthless = 1e-6;  // a violation counts as least if a step reduces its square by at most this share
+constexpr double kAbsurd = 3e8;      // a motion is discarded if its cost exceeds this multiple of the previous cost
+constexpr double kWorthless = 1e-6;  // a violation is a minimum if a step reduces its square by at most this share
 constexpr double kLevel = 1e-6;      // the candidate is stationary if |C^T r| <= kLevel |C| |r|
 constexpr double kCrawling = 1e-9;   // iterations are slow if `stop` is below this share of the squared violation
-// Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). Small
-// changes are for unstable robots: without feedback, larger changes lead far away from the candidate.
+// Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). The small
+// changes are for unstable robots, which without feedback move far away from the candidate after larger changes.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Largest random changes for motions far from the candidate, as above. Negative: changes of zero controls.
+// Largest random changes of the controls for motions far from the candidate, relative to max(1, largest control).
+// Negative numbers mean changes of zero controls instead of the candidate's controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
-constexpr double kCreeping = 0.99;      // a search ends if kCreepingWindow iterations leave this share of |r|^2 or more
-constexpr double kSettled = 1 - 1e-12;  // the value of kCreeping for quasi-Newton steps towards a stationary candidate
+// A search ends if kCreepingWindow iterations leave at least this share of |r|^2.
+constexpr double kCreeping = 0.99;
+// Used instead of kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2.
+constexpr double kSettled = 1 - 1e-12;
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;     // the original candidate is preferred up to this multiple of the least violation
-constexpr double kMuchNearer = 0.5;  // a solve continues from a candidate that reduces the violation to this share
+// The original candidate is preferred if its violation is at most this multiple of the least violation.
+constexpr double kAsNear = 1.01;
+// The solve continues if a candidate reduces the violation to at most this share.
+constexpr double kMuchNearer = 0.5;
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
-// The initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor of its increases.
+// Initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor by which it increases.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 constexpr double kLongest = 10;  // longest first step, in units of the largest control
-constexpr double kBack = 1e-3;   // a search returned to the candidate if its result is worse by at most this share
+// A search has returned to the candidate if its result is worse by at most this share.
+constexpr double kBack = 1e-3;
 constexpr std::size_t kRestorations = 5;
-constexpr double kBeyond = 0.1;  // infeasible: controls within limits reduce |r|^2 by at most this share
-constexpr int kSaddles = 4;      // number of searches that restart from a smaller violation near the candidate
+// Constraints are infeasible if controls within limits reduce |r|^2 by at most this share.
+constexpr double kBeyond = 0.1;
+constexpr int kSaddles = 4;  // most searches that restart from a smaller violation near the candidate
 
 }  // namespace
 
-// Ends the minimisation of the violation if it makes no progress, or if the constraints are met.
+// Ends a minimisation of the violation when it makes no progress, or when the constraints are met.
 class AL::Watch : public CallbackAbstract {
  public:
   Watch(SolverAugmentedLagrangian& outer, double met) : outer_(outer), met_(met) {}
@@ -56,12 +64,13 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back())
-      last_.push_back(left);  // an unchanged value is a rejected step, which is repeated with more regularisation
+      // An unchanged value is that of a rejected step, which is repeated with more regularisation.
+      last_.push_back(left);
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  /// Resets the counts. searches: end the iterations when they converge slowly; otherwise when r is stationary.
+  /// Resets the counts. searches: iterations end when they converge slowly, otherwise only when they stop reducing r.
   void begin(bool searches) {
     slow_ = 0;
     last_.clear();
@@ -76,7 +85,7 @@ class AL::Watch : public CallbackAbstract {
   std::vector<double> last_;  // squared violations
 };
 
-// Reports an iteration to the callbacks. Returns whether a callback interrupted the solve.
+// Reports an iteration to the callbacks. Returns whether the solve was interrupted.
 bool AL::reportRestoration(const SolverAbstract& solver) {
   merit_ = solver.get_cost();
   stop_ = solver.get_stop();
@@ -89,14 +98,14 @@ bool AL::reportRestoration(const SolverAbstract& solver) {
   return interrupted_;
 }
 
-// A problem of the same nodes whose only cost is half the squared violation |r|^2, and the solver that minimises |r|^2.
+// A problem with the same nodes, whose only cost is half the squared violation |r|^2, and the solver that minimises it.
 struct AL::Restoration {
   std::vector<Augmented> augmented;
   std::shared_ptr<ShootingProblem> problem;
   std::shared_ptr<SolverDDP> solver;
   std::shared_ptr<Watch> watch;
   bool rests = false;  // whether quasi-Newton steps ended at a stationary candidate
-  std::size_t last;    // the number of reported iterations at which the search ends
+  std::size_t last;    // number of reported iterations at which the search ends
 };
 
 // Creates the problem that minimises the violation. The constraints are met if half of |r|^2 is at most `met`.
@@ -133,7 +142,8 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   return out;
 }
 
-// Sets the least regularisation in proportion to |C|^2. An absolute regularisation would stop steps of weak controls.
+// Sets the smallest regularisation in proportion to |C|^2. An absolute regularisation would prevent steps if controls
+// have weak effects.
 void AL::regulariseLeast(Restoration& own) {
   evaluate(own);
   const double size = jacobianSize(own);
@@ -142,7 +152,7 @@ void AL::regulariseLeast(Restoration& own) {
 }
 
 // Minimises the violation from the candidate, and makes the result the candidate. If Gauss-Newton steps do not end at a
-// stationary point, for example near a stretched arm, quasi-Newton steps continue, which include the curvature.
+// stationary point, for example near a stretched arm, continues with quasi-Newton steps, which include the curvature.
 void AL::leastViolation(Restoration& own) {
   own.rests = false;
   own.watch->begin(true);
@@ -178,7 +188,7 @@ void AL::level(Restoration& own) {
   }
 }
 
-// Makes the result of the solver that minimises the violation the candidate.
+// Makes the result of own.solver, which minimises the violation, the candidate.
 void AL::take(Restoration& own) {
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = own.solver->get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = own.solver->get_us()[t];
@@ -187,9 +197,9 @@ void AL::take(Restoration& own) {
 }
 
 // Searches from another motion. Its controls are those of the candidate, or zeros if `by` is negative, plus random
-// numbers up to |by| times the largest control. If the search ends at a smaller violation, its result becomes the
-// candidate. Near the candidate only quasi-Newton steps are taken: Gauss-Newton steps may return to a maximum or a
-// saddle. If the quasi-Newton steps return to the candidate, the candidate is a minimum.
+// numbers of up to |by| times max(1, largest control). If the search ends at a smaller violation, its result becomes
+// the candidate. Near the candidate only quasi-Newton steps are taken, because Gauss-Newton steps may return to a
+// maximum or a saddle. If the quasi-Newton steps return to the candidate, the candidate is a minimum.
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
@@ -198,7 +208,8 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
-  if (!beside)  // adds constant controls: the effects of controls that vary from node to node would cancel
+  // Adds constant controls, because the effects of controls that vary from node to node would cancel.
+  if (!beside)
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();
@@ -220,7 +231,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   return comes_back ? Beside::kComesBack : Beside::kUnclear;
 }
 
-// Evaluates the violations of the candidate, and the cost of the problem.
+// Evaluates the candidate's violations, and its cost in the original problem.
 void AL::evaluate(Restoration& own) {
   merit_ = own.problem->calc(xs_, us_);
   collectParts();
@@ -236,7 +247,8 @@ double AL::jacobianSize(Restoration& own) {
   std::vector<Eigen::VectorXd> signs;    // signs of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
-  std::uniform_real_distribution<double> share(0, 2);  // not negative: an inequality's multiplier has a fixed sign
+  // The shares are not negative, because the multiplier of an inequality has a fixed sign.
+  std::uniform_real_distribution<double> share(0, 2);
   double squares = 0;
   for (int k = 0; k < kDraws; ++k) {
     for (std::size_t i = 0; i < signs.size(); ++i) {
@@ -258,7 +270,7 @@ double AL::jacobianSize(Restoration& own) {
   return std::sqrt(3 * squares);
 }
 
-// Computes |C^T r| / (|C| |r|), where r are the violations.
+// Returns |C^T r| / (|C| |r|), where r are the violations.
 double AL::violationSlope(Restoration& own) {
   evaluate(own);
   (void)own.problem->calcDiff(xs_, us_);
@@ -266,9 +278,9 @@ double AL::violationSlope(Restoration& own) {
   return of_r == 0 ? 0 : of_r / (jacobianSize(own) * std::sqrt(2 * merit_));
 }
 
-// Whether the violations r are stationary: C^T r is small relative to |C| |r|, or a step of the linearised problem is
-// predicted to reduce |r|^2 by a small share only. The first test also detects a stretched arm. The second test also
-// works if the singular values of C differ much.
+// Returns whether the violations r are stationary: the last quasi-Newton steps ended with C^T r small relative to |C|
+// |r|, or a step of the linearised problem is predicted to reduce |r|^2 only by a small share. The first test also
+// detects a stretched arm. The second test also works if the singular values of C differ much.
 bool AL::isStationary(Restoration& own) {
   SolverDDP& solver = *own.solver;
   solver.setCandidate(xs_, us_, is_feasible_);
@@ -278,8 +290,8 @@ bool AL::isStationary(Restoration& own) {
   return solver.expectedReduction() <= kWorthless * merit_ || own.rests;
 }
 
-// Whether any controls within their limits reduce the squared violation by a small share only, to first order around
-// the candidate or zero controls. For linear motions this test bounds the least violation (Frank-Wolfe gap).
+// Returns whether no controls within their limits reduce the squared violation by more than a small share, to first
+// order around the candidate or zero controls. For linear motions this bounds the least violation (Frank-Wolfe gap).
 bool AL::isBeyondLimits(Restoration& own) {
   if (!own.solver->keeps_limits()) return false;
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
@@ -303,8 +315,8 @@ bool AL::isBeyondLimits(Restoration& own) {
   return out;
 }
 
-// Whether the motion is an affine function of the controls between `us_before` and the candidate's controls, tested at
-// the midpoint. For affine motions a large cost is accepted.
+// Returns whether the motion is an affine function of the controls between `us_before` and the candidate's controls.
+// This is tested at the midpoint. For affine motions a large cost is accepted.
 bool AL::movesInLineFrom(const Vectors& us_before) {
   constexpr double kInLine = 1e-6;  // relative to the distance of the two motions
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
@@ -324,9 +336,9 @@ bool AL::movesInLineFrom(const Vectors& us_before) {
   return off <= kInLine * far;
 }
 
-// Minimises the violation. Returns kInfeasible if the violation is not zero, and is a minimum (by C^T r and by searches
-// from nearby motions) or cannot be much reduced within control limits. Returns kNone if the solve may continue, from a
-// candidate that meets the constraints or violates them much less. Otherwise returns kNoStep.
+// Minimises the violation. Returns kInfeasible if the violation is not zero, and is a minimum (according to C^T r and
+// to searches from nearby motions) or cannot be much reduced within control limits. Returns kNone if the solve may
+// continue, from a candidate that meets the constraints or violates them much less. Otherwise returns kNoStep.
 StopReason AL::restore(std::size_t maxiter) {
   if (++restorations_ > kRestorations) return StopReason::kNoStep;
   const double met = 0.5 * th_constraint_ * th_constraint_;
@@ -368,7 +380,8 @@ StopReason AL::restore(std::size_t maxiter) {
   // A violation below `shows` is only the rounding error of squared numbers, and does not prove infeasibility.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
-  if (shown && violation_ > std::max(th_constraint_, shows)) {  // the original motion is preferred if about as good
+  // The original motion is preferred if it is about as good.
+  if (shown && violation_ > std::max(th_constraint_, shows)) {
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;
   }
@@ -382,7 +395,7 @@ StopReason AL::restore(std::size_t maxiter) {
   return reported_ >= maxiter ? StopReason::kIterations : StopReason::kNone;
 }
 
-// Sets the scale of the cost from the candidate's large cost, and a penalty that outweighs this cost. `violation`: the
+// Sets the scale of the cost to the candidate's large cost, and sets a penalty that outweighs this cost. violation: the
 // violation before the restoration, which a minimisation of the cost alone leaves.
 void AL::takeCostOf(double violation) {
   constexpr double kOrdinary = 1e4;  // largest cost for which th_stop and th_kkt need no scaling
@@ -393,7 +406,7 @@ void AL::takeCostOf(double violation) {
   set_penalty(std::max(rho_, 2 * std::abs(cost_) / (violation * violation)));
 }
 
-// Resets multipliers and convergence tests, and increases the penalty: the solve continues from the current candidate.
+// Resets multipliers and convergence tests, and increases the penalty, to continue the solve from the candidate.
 void AL::startAgain() {
   for (const Node& node : nodes_)
     for (const Augmented& own : node.augmented) own.model->set_multipliers(Eigen::VectorXd::Zero(own.rows.size()));

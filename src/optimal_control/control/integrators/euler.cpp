@@ -64,7 +64,7 @@ const PanelView& IntegratedActionDataEuler::panel() const {
   return differential->panel;
 }
 
-// Computes gx = h a_x^T g + [J1^T p_q; g],  gu = h a_u^T g  from the panel [a_x a_u], with g = h J2^T p_q + p_v.
+// Computes gx = h a_x^T g + [J1^T p_q; g] and gu = h a_u^T g from the panel [a_x a_u], where g = h J2^T p_q + p_v.
 void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
   if (has_matrices()) return ActionDataAbstract::pull_back(p, gx, gu);
   const Eigen::Index nv = pulled.size();
@@ -92,7 +92,7 @@ void IntegratedActionDataEuler::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& f
   integrate_velocities(fx, fu);
 }
 
-// Computes Fx, Fu. At entry the lower halves of fx, fu contain h a_x and h a_u:
+// Computes Fx and Fu. Before the call, the lower halves of fx and fu contain h a_x and h a_u:
 //
 //     Fx = [J1 0; 0 0] + [h J2; 1] (h a_x + [0 I]),    Fu = [h J2; 1] h a_u
 void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
@@ -125,7 +125,7 @@ void IntegratedActionModelEuler::evaluate(IntegratedActionDataEuler& d, const Co
 
 namespace {
 
-// Computes the blocks of J1 and J2 of wide joints: JintegrateTransport applies the derivatives to identity matrices.
+// Computes the blocks of J1 and J2 of floating and planar joints, by applying JintegrateTransport to identity matrices.
 void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, IntegratedActionDataEuler& d) {
   if (d.wide_joints.empty()) return;
   for (const Jcomponent which : {first, second}) {
@@ -140,7 +140,8 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, I
 
 }  // namespace
 
-// Computes Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x],  Fu = J2 [h^2 a_u; h a_u],  J1, J2: derivatives of x (+) dx.
+// Computes the following Fx and Fu, where J1 and J2 are the derivatives of x (+) dx.
+//     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x]        Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::differentiate(IntegratedActionDataEuler& d, const ConstVectorRef& x,
                                                const ConstVectorRef* u) {
   if (!u) return calcDiff_terminal(x, d);

@@ -84,7 +84,7 @@ void HeldVelocities::take_torques(const DataCollector& of) {
     add_applied_forces<double>(of.scene, q.data(), v.data(), of.solution.wrenches, *applied_, torques_.data());
 }
 
-// Computes dtau_dx_, one row for each coordinate's torque, by reverse differentiation of the applied forces.
+// Computes dtau_dx_ by reverse differentiation of the applied forces, which gives one row per torque.
 void HeldVelocities::differentiate_torques(const DataCollector& of) {
   if (!applied_) return;
   take_torques(of);
@@ -115,7 +115,7 @@ void HeldVelocities::kinematics_at_start(const DataCollector& of) {
   }
 }
 
-// Sets alpha = 0 for contacts with rotating rows: their placement errors are not corrected (simulation/internal.hpp).
+// Sets alpha = 0 for contacts with rotating rows, whose placement errors are not corrected (simulation/internal.hpp).
 void HeldVelocities::leave_out_alpha_of_turning_rows() {
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
     Contact& contact = scene.contacts[c];
@@ -137,7 +137,8 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   kinematics_at_start(of);
   leave_out_alpha_of_turning_rows();
   for (std::size_t r = 0; r < scene.robots.size(); ++r) {
-    const Robot& robot = of.scene.robots[r];  // the scene's robot, whose joints' inertias do not change below
+    // This is the robot of of.scene, because the joint inertias of `scene` change below.
+    const Robot& robot = of.scene.robots[r];
     const Model& model = *robot.model;
     inverse_dynamics<double>(model, kin[r], turn_.data() + robot.idx_v, {}, robots_[r].f,
                              tau.segment(robot.idx_v, model.nv));
@@ -145,7 +146,8 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   take_torques(of);
   torques_of_motion_ = torques_ - tau;
   begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
-  for (const int i : joints.rubbing) joints.slip[i] = 0;  // resets slip, so that the result depends on the state alone
+  // slip is reset, so that the result depends only on the state
+  for (const int i : joints.rubbing) joints.slip[i] = 0;
   joints.begun = false;
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);
@@ -176,8 +178,8 @@ void HeldVelocities::finish_step(const DataCollector& of, double h, Eigen::Vecto
   xnext << q_next, v_next;
 }
 
-// Derivatives F of accelerations. With b = ID(q, v, -w x v), G = [dtau/dx dtau/dw] - [b_q b_v 0] - (damping of joints):
-//     F = [a_q, s a_v, 0] + a_tau G
+// Computes the derivatives F of the accelerations, with the inverse dynamics b = ID(q, v, -w x v):
+//     F = [a_q, s a_v, 0] + a_tau G        G = [dtau/dx dtau/dw] - [b_q b_v 0] - (damping of joints)
 void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen::MatrixXd> F) {
   const int nv = scene.nv;
   dtau_.setZero();
@@ -213,7 +215,8 @@ void HeldVelocities::differentiate_at(const DataCollector& of, Eigen::Ref<Eigen:
   const DerivativeData& all = differentiate(scene, solution, {true, true, true, false, true});
   for (std::size_t i = 0; i < all.islands.size(); ++i) {
     const IslandDerivatives& d = all.islands[i];
-    const auto each = [&](auto&& use) {  // use(row of the island, of the scene, how many), robot by robot
+    // calls use(first row in the island, first row in the scene, number of rows) for each robot
+    const auto each = [&](auto&& use) {
       int row = 0;
       for (int r : solved_island(solution, i).robots) {
         const Robot& robot = scene.robots[r];

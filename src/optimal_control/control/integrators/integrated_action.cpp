@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kIntegratedActionModel = "IntegratedActionModel";
 
-// Returns the model after a check for null. Each argument of a constructor calls this: their order is unspecified.
+// Returns the model if it is not null. Each argument of a constructor is checked, because their order is unspecified.
 const DifferentialActionModelAbstract& checked(const std::shared_ptr<DifferentialActionModelAbstract>& model) {
   return *internal::given(kIntegratedActionModel, model, "a differential action model");
 }

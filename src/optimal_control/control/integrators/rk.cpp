@@ -44,7 +44,7 @@ std::vector<double> weights(RKType type) {
   return {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
 }
 
-// Computes the derivatives of k_i and y_i with respect to x and u.
+// Computes the derivatives of stage i's acceleration k_i and state y_i with respect to x and u.
 void differentiate_stage(const StateAbstract& state, const ControlParametrizationModelAbstract& control,
                          const ConstVectorRef& x, double step, std::size_t i, IntegratedActionDataRK& d) {
   const Eigen::Index nv = state.get_nv();
@@ -67,7 +67,7 @@ void differentiate_stage(const StateAbstract& state, const ControlParametrizatio
   control.multiplyByJacobian(d.control[i], k.Fu, d.dki_du[i].bottomRows(nv), addto);
 }
 
-// Adds the derivatives of stage i's cost l(y(x, u), w(u)); the first factor w is the weight of the stage.
+// Adds the derivatives of stage i's cost l(y(x, u), w(u)). The first factor w in each term is the weight of the stage.
 //     Lx  += w y_x^T l_x                   Lu  += w (y_u^T l_x + w_u^T l_w)
 //     Lxx += w y_x^T l_xx y_x              Lxu += w y_x^T (l_xx y_u + l_xw w_u)
 //     Luu += w (y_u^T (l_xx y_u + l_xw w_u) + (l_xw w_u)^T y_u + w_u^T l_ww w_u)

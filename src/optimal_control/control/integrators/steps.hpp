@@ -9,7 +9,7 @@ inline void check_dense(const char* where, const DifferentialActionDataAbstract&
   require(has_dense(from.storage), where, "the differential model's storage is not dense, kDense or kBoth is expected");
 }
 
-/// Copies g, h and, with_residual, r.
+/// Copies g and h, and with `with_residual` also r.
 inline void copy_values(const DifferentialActionDataAbstract& from, bool with_residual, ActionDataAbstract& to) {
   to.g = from.g;
   to.h = from.h;
@@ -27,7 +27,7 @@ inline void copy_constraint_derivatives(const ControlParametrizationModelAbstrac
   if (to.Hu.size()) control.multiplyByJacobian(w, from.Hu, to.Hu);
 }
 
-/// Computes h times the cost's derivatives with respect to x and u. Lwu: nw x nu, workspace.
+/// Computes h times the cost's derivatives with respect to x and u. Lwu is workspace (nw x nu).
 inline void integrate_cost_derivatives(double h, const ControlParametrizationModelAbstract& control,
                                        const std::shared_ptr<ControlParametrizationDataAbstract>& w,
                                        const DifferentialActionDataAbstract& from, Eigen::MatrixXd& Lwu,

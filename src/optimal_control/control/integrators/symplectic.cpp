@@ -32,7 +32,7 @@ std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
   return model;
 }
 
-// Whether the workspace `held` fits the current robots and contacts of the data, after an update.
+// Updates the workspace `held`. Returns whether it fits the current robots and contacts of the data.
 bool is_of(HeldVelocities& held, const DataCollector& of, double h) {
   if (!held.serve(of, h)) return false;
   for (std::size_t c = 0; c < of.scene.contacts.size(); ++c)
@@ -66,7 +66,7 @@ SymplecticData::IntegratedActionDataSymplectic(SymplecticModel* model)
 
 SymplecticData::~IntegratedActionDataSymplectic() = default;
 
-// Computes the next state. d.dx is the step [h v+; h a] before the momentum is corrected.
+// Computes the next state. d.dx is the step [h v+; h a] before the correction of momentum.
 void SymplecticModel::evaluate(SymplecticData& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   if (!u) return calc_terminal(x, d);
   control_->calc(d.control, 0, *u);
@@ -80,7 +80,7 @@ void SymplecticModel::evaluate(SymplecticData& d, const ConstVectorRef& x, const
   internal::copy_values(*d.differential, with_cost_residual_, d);
 }
 
-// Computes Fx, Fu: first the formulas below, then the rotation of free joints' axes, and the correction of momentum.
+// Computes Fx and Fu: first by these formulas, then with the rotation of free joints' axes and the momentum correction.
 //     Fx = I + [h^2 a_x + h [0 I]; h a_x],    Fw = [h^2 a_w; h a_w],    Fu = Fw dw/du
 void SymplecticModel::differentiate(SymplecticData& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   if (!u) return calcDiff_terminal(x, d);

@@ -7,7 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Sets part = whole(index); part must have the size of index. (Eigen's indexed views would copy `index`.)
+/// Sets part = whole(index), where `part` has the size of `index`. Eigen's indexed views would copy `index`.
 template <class Whole, class Part>
 void take(const Whole& whole, const std::vector<int>& index, Part&& part) {
   for (std::size_t i = 0; i < index.size(); ++i) part[i] = whole[index[i]];
@@ -38,7 +38,7 @@ std::size_t total(const char* where, const std::vector<Part>& parts, Size size) 
   return sum;
 }
 
-/// Stacks the `count` vectors get(i).
+/// Stacks the vectors get(0), ..., get(count - 1) in `out`.
 template <class Get>
 void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   Eigen::Index size = 0;
@@ -52,7 +52,7 @@ void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   }
 }
 
-/// Stacks the values of one getter of bounds of g (for example get_g_lb) of all subproblems.
+/// Stacks the bounds that a getter, such as get_g_lb, returns for each subproblem.
 template <class Part>
 void stack_bounds(const std::vector<Part>& parts, const Eigen::VectorXd& (ActionModelAbstract::*bound)() const,
                   Eigen::VectorXd& out) {
@@ -75,7 +75,7 @@ void collect_values(const std::vector<Part>& parts, const std::vector<std::share
   stack(datas.size(), h, to.h);
 }
 
-/// Returns for each subproblem the indices of its rows in the node's [g; h]. terminal: the node is a terminal node.
+/// Returns for each subproblem the indices of its rows in the node's [g; h]. terminal: whether the node is terminal.
 template <class Part>
 std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bool terminal) {
   std::vector<std::vector<int>> out(parts.size());
@@ -89,7 +89,7 @@ std::vector<std::vector<int>> constraint_rows(const std::vector<Part>& parts, bo
   return out;
 }
 
-/// Throws std::invalid_argument unless each of 0 ... size - 1 is in exactly one of the subproblems' lists.
+/// Throws std::invalid_argument unless each of 0 ... size - 1 is in exactly one of the lists of the subproblems.
 template <class Part>
 void check_cover(const char* where, const char* what, std::size_t size, const std::vector<Part>& parts,
                  std::vector<int> ActionPart::*list) {

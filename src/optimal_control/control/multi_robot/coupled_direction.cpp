@@ -81,7 +81,7 @@ bool CoupledDirection::compute(double preg, double dreg) {
   return true;
 }
 
-// Computes u = us + s du + K (x (-) xs - s dx), where K = du/dx as in lq/riccati.hpp.
+// Computes u = us + s du + K (x (-) xs - s dx) for the step length s, where K = du/dx as in lq/riccati.hpp.
 void CoupledDirection::step_control(std::size_t t, double steplength) {
   part_.problem->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
   for (std::size_t i = 0; i < blocks_.size(); ++i)
@@ -101,7 +101,7 @@ void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
     use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
 }
 
-// Also sets dx = 0, because the steps of `descend` have their feedback K (x (-) xs) about the candidate.
+// Sets dx = 0, too, because the steps of `descend` have the feedback K (x (-) xs) about the candidate.
 void CoupledDirection::set_feed_forward(const Vectors& nu) {
   Direction::set_feed_forward(nu);
   for (VectorXd& dx : z_.x) dx.setZero();
@@ -120,7 +120,7 @@ void CoupledDirection::feed_forward_gradient(Vectors& g) {
   }
 }
 
-// Computes to += K^T g, where K = du/dx as in lq/riccati.hpp.
+// Adds K^T g to `to`, where K = du/dx as in lq/riccati.hpp.
 void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     auto u = u_of_cluster_.head(cluster.nu);
@@ -134,7 +134,8 @@ void CoupledDirection::add_feedback(std::size_t t, const VectorXd& g, VectorXd& 
   });
 }
 
-// Solves the linear-quadratic problem with gradient g for nu and zero for x. Then nu = du - K dx = -H^-1 g.
+// Solves the linear-quadratic problem with gradient g for the controls and zero for the states, which gives
+//     nu = du - K dx = -H^-1 g
 void CoupledDirection::precondition_feed_forward(Vectors& g) {
   const std::size_t T = g.size();
   lq_.x0.setZero();
@@ -163,7 +164,7 @@ void CoupledDirection::precondition_feed_forward(Vectors& g) {
   }
 }
 
-// Computes to += K dx, where dx is ordered by block.
+// Adds K dx to `to`, where dx is ordered by block.
 void CoupledDirection::add_gains_times(std::size_t t, const VectorXd& dx, VectorXd& to) {
   each_cluster(t, [&](const lq::Cluster& cluster, const auto& K) {
     for (std::size_t b = 0; b < cluster.blocks.size(); ++b) {
@@ -187,7 +188,8 @@ std::vector<Direction::Gains> CoupledDirection::gains(std::size_t t) const {
     const Eigen::MatrixXd& K = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K;
     if (K.rows() < clusters[c].nu) return {};
     out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
-    for (const int b : clusters[c].blocks) {  // same order as x_start and u_start
+    // The order is that of x_start and u_start.
+    for (const int b : clusters[c].blocks) {
       for (const int i : blocks_[b].dx) out.back().dx.push_back(part_.dx[i]);
       for (const int i : blocks_[b].u) out.back().u.push_back(part_.u[t][i]);
     }

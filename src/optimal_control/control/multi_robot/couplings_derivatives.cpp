@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// The equations of the couplings, rows [dx; du] + by_w w = 0, with dx, du of the whole node and the wrenches w.
+// The equations of the couplings, rows [dx; du] + by_w w = 0, with dx, du of the whole node and with the wrenches w.
 struct CouplingSystem {
   MatrixXd rows, by_w;
 };
@@ -41,14 +41,15 @@ CouplingSystem system_of(const Couplings& couplings, const std::vector<ActionPar
   return out;
 }
 
-// Returns an orthonormal basis (as rows) of the complement of W's rows: the free translations and rotations.
+// Returns an orthonormal basis, as rows, of the complement of W's rows, which are the free translations and rotations.
 Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
     const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
   const Index m = W.rows();
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
       Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
   if (m == 6) return N;
-  if (m == 5) {  // a hinge: the rotation about its axis
+  // A hinge leaves the rotation about its axis free.
+  if (m == 5) {
     N.row(0).tail<3>() = Vec3<double>(W.row(3).tail<3>()).cross(Vec3<double>(W.row(4).tail<3>()));
   } else {
     N.bottomRightCorner<3, 3>().setIdentity();
@@ -65,8 +66,9 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-// Adds to C, D of one end: the rotation of the frame of r2, the term delta f, rows for components that W does not have.
-// F: force in A's axes. s = J_A dq_A, th: rotation of a world-aligned frame; d(W F) = W (X^T w - s x* F + th x F).
+// Adds terms of one end to C and D: the rotation of the frame of r2, the term delta f, and rows for components that W
+// does not have. The derivative is d(W F) = W (X^T w - s x* F + th x F), with the force F in A's axes, s = J_A dq_A,
+// and the rotation th of a world-aligned frame.
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -90,7 +92,8 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
-// Gradients Lx + Gx^T y_g + Hx^T y_h, Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: indices of its [y_g; y_h] in y.
+// The gradients Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: indices of its [y_g; y_h]
+// in y.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -102,7 +105,7 @@ struct PartGradient {
   }
 };
 
-// Computes Lx + A^T next, Lu + B^T next of all subproblems at constant wrenches, and the gradient by_w by wrenches.
+// Computes Lx + A^T next and Lu + B^T next of all subproblems at constant wrenches w, and the gradient by_w w.r.t. w.
 void gradient_of_parts(const ActionModelParts& model, const ActionDataParts& d, const VectorXd& next, const VectorXd& y,
                        VectorXd& gx, VectorXd& gu, VectorXd& by_w) {
   const auto rows = internal::constraint_rows(model.get_parts(), false);
@@ -132,7 +135,7 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// Sets C, D in the rows of coupling b for the subproblem of A (of_a) or of B.
+// Sets C and D in the rows of coupling b, for the subproblem of A if of_a, otherwise for that of B.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
   const Contact& contact = scene_.contacts[couplings_[b].contact];
@@ -153,7 +156,8 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
-  auto C_held = C.topRows(m), D_held = D.topRows(m);  // rows of constrained directions: derivatives of r2
+  // Rows of constrained directions, which contain derivatives of r2.
+  auto C_held = C.topRows(m), D_held = D.topRows(m);
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
     C_held.noalias() += coupling.rows.J.col(from) * a.Fx.row(to);
@@ -184,7 +188,8 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
   }
 }
 
-// Computes the matrices of the whole node. Wrenches are w = W [dx; du]; subproblem i has (x_i, u_i, w_i) = T [dx; du]:
+// Computes the matrices of the whole node. With wrenches w = W [dx; du] and (x_i, u_i, w_i) = T [dx; du] of subproblem
+// i,
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] = [H_i T]
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();
@@ -248,7 +253,7 @@ void coupled_gradient(const ActionModelParts& model, const ActionDataParts& d, c
   gu += add.tail(gu.size());
 }
 
-// Computes the gradients by derivatives of the whole scene's dynamics. A coupling's wrench is w = R F about a fixed
+// Computes the gradients with derivatives of the whole scene's dynamics. A coupling's wrench is w = R F about a fixed
 // point, with F = W^T f in A's moving axes. With s = J_A dq_A and the rotation th of a world-aligned frame (A's axes):
 //
 //     R^T dw = W^T df + s x* F - th x F

@@ -17,7 +17,7 @@ using internal::total;
 
 namespace {
 
-// Stacks the subproblems' matrices get(i) by rows; each matrix has the columns of its subproblem.
+// Stacks the matrices get(i) of the subproblems by rows. Each matrix has the columns of its subproblem.
 template <class Get>
 void stack(const std::vector<ActionPart>& parts, std::vector<int> ActionPart::*columns, Get get, MatrixXd& out) {
   Index row = 0;
@@ -136,7 +136,8 @@ bool ActionModelParts::checkData(const DataPtr& data) {
   return true;
 }
 
-// Copies each subproblem's share of x and u. Couplings::solve sets the wrenches, which follow a subproblem's controls.
+// Copies each subproblem's share of x and u. The wrenches, which follow a subproblem's controls, are set by
+// Couplings::solve.
 void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     take(x, parts_[i].x, d.x[i]);
@@ -168,7 +169,8 @@ void ActionModelParts::differentiate(ActionDataParts& d, const ConstVectorRef& x
   coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
 }
 
-// Copies the subproblems' derivatives into the node's matrices. Blocks between subproblems are zero since createData.
+// Copies the subproblems' derivatives into the node's matrices. The blocks between subproblems are zero from
+// createData.
 void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& p = parts_[i];

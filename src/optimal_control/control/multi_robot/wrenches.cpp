@@ -17,16 +17,19 @@ const Robot& robot_of_end(const StateMultibody& state, const WrenchEnd& end) {
   return state.get_model()->scene().robots[end.robot];
 }
 
-// Transforms the wrench w at p to the tree frame's origin: (force, torque + r x force), where r is the position of p.
+// Transforms the wrench w at a point p to the origin of the tree frame: (force, torque + r x force), where r is the
+// position of p.
 Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   Vec6<double> out = w;
   out.tail<3>() += r.cross(Vec3<double>(w.head<3>()));
   return out;
 }
 
-// Whether coordinate j moves the motion subspace S_k of coordinate k of the same chain: not if j's joint is below k's.
+// Returns whether coordinate j moves the motion subspace S_k of coordinate k of the same chain. It does unless j's
+// joint is below k's joint.
 bool moves_subspace(const Model& model, int j, int k) {
-  if (j <= k) return true;  // indices ascend along a chain: j belongs to an ancestor or to the same joint
+  // Indices ascend along a chain, so that j belongs to an ancestor or to the same joint.
+  if (j <= k) return true;
   for (const Joint& joint : model.joints)
     if (k >= joint.idx_v && k < joint.idx_v + joint.nv()) return j < joint.idx_v + joint.nv();
   return false;

@@ -15,7 +15,7 @@ namespace manycontact {
 
 namespace internal {
 
-// The right-hand side (1 + e) M v of an impact as an actuation tau(x, u) = (1 + e) M(q) u, where u = v.
+// The right-hand side (1 + e) M v of an impact, as an actuation tau(x, u) = (1 + e) M(q) u with u = v.
 class ImpactActuation : public ActuationModelAbstract {
  public:
   explicit ImpactActuation(std::shared_ptr<StateMultibody> state);
@@ -50,7 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, its ancestor j).
+  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, ancestor j) of M.
   std::vector<int> lower, upper;
 };
 
@@ -61,7 +61,7 @@ struct ImpactData : ActuationDataAbstract {
 
 const std::vector<Robot>& robots_of(const StateMultibody& state) { return state.get_model()->scene().robots; }
 
-// Calls use(k, i, j) for each packed entry k of M: row i, column j of an ancestor or of i, numbered within the robot.
+// Calls use(k, i, j) for each packed entry k of M, in row i and in column j of an ancestor or of i, within the robot.
 template <class Use>
 void each_entry(const Model& model, Use&& use) {
   for (int i = 0; i < model.nv; ++i) {
@@ -70,7 +70,7 @@ void each_entry(const Model& model, Use&& use) {
   }
 }
 
-// Sets the kinematics for the inverse dynamics ID(q, 0, u): at rest, without gravity, with accelerations u.
+// Sets the kinematics for the inverse dynamics ID(q, 0, u): zero velocity, no gravity, and accelerations u.
 void move(const Robot& robot, const ConstVectorRef& x, const ConstVectorRef& u, RobotWork& w) {
   const Model& model = *robot.model;
   forward_kinematics<double>(model, robot.base, x.segment(robot.idx_q, model.nq), w.kin);
@@ -139,7 +139,8 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // overwrites dq_upper on the diagonal, as required
+      // Overwrites dq_upper on the diagonal, which is intended.
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];
     });
   }
 }
@@ -223,7 +224,8 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
       multibody(dynamics->multibody.get()) {
   const StateAbstract& state = *model->get_state();
   multibody->scene.gravity.setZero();
-  if (has_applied_forces(multibody->scene)) {  // finite forces transmit no impulse
+  // Finite forces transmit no impulse and are left out.
+  if (has_applied_forces(multibody->scene)) {
     drop_applied_forces(multibody->scene);
     multibody->solution = SceneData(multibody->scene, multibody->solution.options);
     dynamics->laid_out = false;
@@ -253,7 +255,7 @@ bool Model_::checkData(const DataPtr& data) {
   return d && dynamics_->checkData(d->dynamics);
 }
 
-// Calls lay_out of costs and constraints again after impulses were switched, or a frame has changed.
+// Calls lay_out of costs and constraints again after impulses were switched, or after a frame has changed.
 void Model_::lay_out(Data& d) const {
   bool fits = d.laid_out.size() == impulses_->get_impulses().size();
   std::size_t k = 0;
@@ -274,7 +276,7 @@ void Model_::lay_out(Data& d) const {
   if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
 }
 
-// Computes v+ = w - e v, where w is xout of `dynamics` at rest.
+// Computes v+ = w - e v, where w is the acceleration xout of `dynamics` at rest.
 void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   constexpr const char* where = "ActionModelImpulseFwdDynamics::calc";
   const internal::ActionTerms terms{*costs_, constraints_.get()};
@@ -321,7 +323,8 @@ void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef*
   dvnext.leftCols(nv) = d.dynamics->Fx.leftCols(nv);
   dvnext.rightCols(nv) = d.dynamics->Fu;
   dvnext.rightCols(nv).diagonal().array() -= r_coeff_;
-  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);  // df_dx are views of panel
+  // df_dx are views of the panel, and get the derivatives w.r.t. v
+  for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);
   for (auto& [name, contact] : m.contacts->contacts)
     if (contact->active) new (&contact->df_du) PanelView(nullptr, contact->Jc.rows(), 0, Eigen::OuterStride<>(0));
   d.Fx.topLeftCorner(nv, nv).setIdentity();

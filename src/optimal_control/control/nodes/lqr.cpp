@@ -12,7 +12,7 @@ using V = Eigen::VectorXd;
 
 namespace {
 
-// Computes cost and constraints, in discrete or continuous time. In a terminal node u is null: terms in u are left out.
+// Computes cost and constraints, in discrete or continuous time. A terminal node has u = null and no terms in u.
 template <class Data>
 void linear_quadratic_values(const LinearQuadraticTerms& m, const ConstVectorRef& x, const ConstVectorRef* u, Data& d) {
   d.Lx = m.get_q();  // q + Q x / 2
@@ -61,7 +61,7 @@ std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<
 Eigen::MatrixXd no_rows(Eigen::Index cols) { return Eigen::MatrixXd::Zero(0, cols); }
 Eigen::VectorXd zeros(Eigen::Index n) { return Eigen::VectorXd::Zero(n); }
 
-// Returns a matrix with random entries within +-1.
+// Returns a matrix with random entries between -1 and 1.
 Eigen::MatrixXd random_matrix(std::size_t rows, std::size_t cols) {
   thread_local std::mt19937 rng(1);
   return Eigen::MatrixXd::NullaryExpr(rows, cols, [] { return std::uniform_real_distribution<double>(-1, 1)(rng); });
@@ -81,7 +81,7 @@ void LinearQuadraticTerms::set_terms(const NodeAbstract& node, const char* name,
   check("f", f, rows, 1), check("q", q, nx, 1), check("r", r, nu, 1), check("g", g, ng, 1), check("h", h, nh, 1);
   M L(nx + nu, nx + nu);
   L << Q, N, N.transpose(), R;
-  // Rounding errors make eigenvalues of zero as small as -1e-12 of the largest.
+  // Rounding errors make zero eigenvalues as small as -1e-12 of the largest.
   const V values = Eigen::SelfAdjointEigenSolver<M>(L, Eigen::EigenvaluesOnly).eigenvalues();
   require(values.size() == 0 || values.minCoeff() >= -1e-12 * values.cwiseAbs().maxCoeff(), name,
           "[Q N; N^T R] has a negative eigenvalue, a convex cost is expected");

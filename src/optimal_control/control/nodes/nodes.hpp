@@ -9,8 +9,8 @@
 
 namespace manycontact::internal {
 
-/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads; thread 0 is the caller's. If calls
-/// throw, the exception of the smallest t is thrown again.
+/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads, where thread 0 is the caller's. If calls
+/// throw, rethrows the exception of the smallest t.
 template <class Work>
 void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {
@@ -41,14 +41,16 @@ void each_node(std::size_t threads, std::size_t count, Work&& work) {
   each_node_by_thread(threads, count, [&](std::size_t t, int) { work(t); });
 }
 
-/// Calls work(t) on one thread if the last loop took less than kWorthAThread per thread, otherwise on `threads`.
+/// Calls work(t) on one thread if the last loop took less than kWorthAThread per thread, otherwise on all `threads`.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
-  constexpr double kWorthAThread = 5e-5;  // least work per thread [s]: more than the time to wake a thread
+  // Least work per thread [s], which exceeds the time to wake a thread.
+  constexpr double kWorthAThread = 5e-5;
   using Clock = std::chrono::steady_clock;
   if (threads <= 1) return each_node(1, count, work);
   const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;
-  Clock::time_point begin;  // start of the calling thread's nodes; its waiting for other threads is not measured
+  // Start of the calling thread's nodes, so that waiting for other threads is not measured.
+  Clock::time_point begin;
   each_node_by_thread(used, count, [&](std::size_t t, int thread) {
     if (t == 0) begin = Clock::now();
     work(t);

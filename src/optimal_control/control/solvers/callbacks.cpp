@@ -35,7 +35,7 @@ void CallbackVerbose::operator()(SolverAbstract& solver) {
   std::ostringstream header, line;
   header << "iter";
   line << std::setw(4) << solver.get_iter();
-  const int width = precision_ + 8;  // characters of -1.234e+05
+  const int width = precision_ + 8;  // width of -1.234e+05
   for (const Column& column : columns) {
     if (level_ < column.from) continue;
     const bool fixed = std::string(column.name) == "step";

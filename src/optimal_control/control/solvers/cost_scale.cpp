@@ -11,10 +11,12 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls, largest Hessian, without scaling
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
+// Smallest Hessian of controls, and largest Hessian, for which the cost is not scaled.
+constexpr double kSmall = 1e-6, kLarge = 1e7;
+// Hessian of controls, and largest Hessian, after scaling
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;
 
-// The largest absolute values of the Hessians' diagonals.
+// The largest absolute values on the diagonals of Lxx (all) and Luu (controls).
 struct Sizes {
   double all = 0, controls = 0;
 };
@@ -48,7 +50,8 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 }  // namespace
 
 CostScale cost_scale(const ShootingProblem& problem) {
-  double controls = 0, all = 0;  // smallest nonzero Hessian of controls of a node; largest Hessian of all nodes
+  // The smallest nonzero Hessian of controls of a node, and the largest Hessian of all nodes.
+  double controls = 0, all = 0;
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
     add_node(*problem.data(t), own);
@@ -65,7 +68,8 @@ CostScale cost_scale(const ShootingProblem& problem) {
     scale = all / kUsualAll;
   else if (all > kLarge)
     scale = all / kUsualAll;
-  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // no scaled Hessian exceeds kLarge
+  // Ensures that no scaled Hessian exceeds kLarge.
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);
   if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
   return out;
 }

@@ -40,7 +40,7 @@ void SolverDDP::resizeData() {
   allocateData();
 }
 
-// Allocates only vectors and matrices whose sizes do not fit.
+// Allocates only vectors and matrices whose sizes have changed.
 void SolverDDP::allocateData() {
   internal::fit_all(problem_->get_T() + 1, problem_->get_nx(), xs_try_);
   internal::fit_all(problem_->get_T() + 1, problem_->get_ndx(), Vx_);
@@ -60,7 +60,7 @@ const RiccatiDirection* SolverDDP::recursion() const {
 
 namespace {
 
-// Returns the list `get` of a RiccatiDirection, or an empty list if the solver has several subproblems.
+// Returns the list `get` of a RiccatiDirection, or an empty list if `recursion` is null (several subproblems).
 template <class Kept>
 const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirection::*get)() const) {
   static const Kept none;
@@ -144,11 +144,13 @@ void SolverDDP::start(const Vectors& init_xs, const Vectors& init_us, bool is_fe
 bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter, bool is_feasible,
                       double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
-  if (judges_ && keeps_limits()) allocateDescent();  // memory for the optimality test at the end
+  // Reserves memory for the optimality test at the end.
+  if (judges_ && keeps_limits()) allocateDescent();
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
-    // Crocoddyl's rule may stop before the optimum: the KKT residual decides, or without th_kkt the projected gradient.
+    // Crocoddyl's rule may stop before the optimum. Therefore the KKT residual decides, or, without th_kkt, the
+    // projected gradient.
     const bool by_kkt = std::isfinite(th_kkt_);
     const bool doubted = reason_ == StopReason::kConverged && judges_ && keeps_limits() && !by_kkt;
     if (!(doubted && !isOptimalWithinLimits()) && !(reason_ == StopReason::kNoStep && is_feasible_)) break;
@@ -158,7 +160,7 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
     }
     const double before = cost_;
     reason_ = descendWithinLimits(maxiter);
-    // If quasi-Newton steps make no further progress, steps of Crocoddyl's box rule continue from their result.
+    // If quasi-Newton steps make no further progress, steps with Crocoddyl's box rule continue from their result.
     if (reason_ != StopReason::kNoStep || round == kRounds || !(judges_ || by_kkt) || !(cost_ < before)) break;
     problem_->calc(xs_, us_);
     preg_ = dreg_ = reg_min_ * scale_;
@@ -169,8 +171,8 @@ bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_
 
 StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   bool recalc = true;
-  // The box rule may make hundreds of short steps; `descend` then makes longer steps. Short steps end the iteration
-  // only if th_kkt is set. Otherwise the iterates are those of Crocoddyl.
+  // The box rule may make hundreds of short steps. Then `descend` makes longer steps, but only if th_kkt is set.
+  // Otherwise the iterates are those of Crocoddyl.
   constexpr double kShort = 1. / 16;
   constexpr int kManyShort = 10;
   int short_steps = 0;  // consecutive short steps
@@ -198,7 +200,8 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
 // Computes a direction. Increases the regularisation until the backward pass succeeds.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
-    sound_ = true;  // backwardPass sets false if it fails; an overridden computeDirection may not call backwardPass
+    // backwardPass sets it to false if it fails; an overridden computeDirection may not call backwardPass
+    sound_ = true;
     computeDirection(again);
   };
   for (compute(recalc); !sound_; compute(false)) {
@@ -208,7 +211,7 @@ bool SolverDDP::findDirection(bool recalc) {
   return true;
 }
 
-// Decreases the regularisation after long steps, and increases it after short steps; returns false at its maximum.
+// Decreases the regularisation after long steps, and increases it after short steps. Returns false at its maximum.
 bool SolverDDP::adaptRegularization() {
   if (steplength_ > th_stepdec_) decreaseRegularization();
   if (steplength_ > th_stepinc_) return true;
@@ -216,7 +219,7 @@ bool SolverDDP::adaptRegularization() {
   return preg_ != reg_max_ * scale_;
 }
 
-// Makes the first accepted step the candidate; returns false if no step is accepted.
+// Makes the first accepted step the candidate. Returns false if no step is accepted.
 bool SolverDDP::searchLine() {
   prepareImprovement();
   stepped_ = false;
@@ -275,9 +278,12 @@ double SolverDDP::calcDiff() {
   cost_ = problem_->calcDiff(xs_, us_);
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
-  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // limits apply only to feasible candidates
-  constexpr double kRounded = 1e-12;  // relative to the states: gaps that another program's rounding errors may cause
-  if (iter_ == 0 && is_feasible_)     // the caller may have passed a guess with gaps as feasible
+  // Limits apply only to feasible candidates.
+  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;
+  // Largest gaps, relative to the states, that may be rounding errors of another program.
+  constexpr double kRounded = 1e-12;
+  // The caller may have declared a guess with gaps feasible.
+  if (iter_ == 0 && is_feasible_)
     is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();
@@ -295,7 +301,8 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   cost_try_ = 0;
   for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN if any is NaN
   if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
-  each_direction([this](Direction& own) {  // directions write different entries
+  // This is thread-safe, because directions write different entries.
+  each_direction([this](Direction& own) {
     for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
     own.give_u(own.us_try_, us_try_);
   });
@@ -311,7 +318,7 @@ void SolverDDP::set_scale(double scale) {
   for (const auto& own : directions_) own->set_scale(scale_);
 }
 
-// Measures the scales at the candidate, and scales the current regularisation, which was chosen for the previous scale.
+// Measures the scales at the candidate. Adapts the current regularisation, which was chosen for the previous scale.
 void SolverDDP::measureScale() {
   const double before = scale_;
   const internal::CostScale measured = internal::cost_scale(*problem_);
@@ -325,8 +332,7 @@ void SolverDDP::set_alphas(const std::vector<double>& alphas) {
   internal::check_alphas("SolverDDP::set_alphas", alphas);
   alphas_ = alphas;
 }
-// Calls work(direction, share) for each direction, with its share of the controls in `whole`, and copies the share
-// back.
+// Calls work(direction, share) for each direction with its share of the controls in `whole`, and copies the share back.
 template <class Work>
 void SolverDDP::each_feed_forward(Vectors& whole, Work&& work) {
   whole.resize(us_.size());

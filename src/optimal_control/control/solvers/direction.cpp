@@ -13,7 +13,7 @@ using Vectors = Direction::Vectors;
 
 namespace {
 
-// Sets out = 0, 1, ... count - 1.
+// Sets out = 0, 1, ..., count - 1.
 void count_up(std::size_t count, std::vector<int>& out) {
   if (out.size() != count) out = internal::range(0, static_cast<int>(count));
 }

@@ -3,7 +3,8 @@
 
 namespace manycontact {
 
-// Adds the terms of the gaps fs to DDP's expected improvement, with V of the backward pass and the tried states x:
+// Adds the terms of the gaps fs to DDP's expected improvement, where x are the tried states and Vxx is that of the last
+// backward pass:
 //     dv = - sum fs^T Vxx (xs (-) x),    d0 = dg + dv,    d1 = dq - 2 dv
 const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
   dv_ = 0;
@@ -22,7 +23,7 @@ void SolverFDDP::updateExpectedImprovement() {
 
 bool SolverFDDP::accepts() const {
   if (dVexp_ >= 0) return std::abs(d_[0]) < th_grad_ * scale_ || dV_ > th_acceptstep_ * dVexp_;
-  return !is_feasible_ && dV_ > th_acceptnegstep_ * dVexp_;  // the cost may rise while gaps close
+  return !is_feasible_ && dV_ > th_acceptnegstep_ * dVexp_;  // the cost may increase while gaps close
 }
 
 void SolverFDDP::forwardPass(double steplength) {
@@ -30,7 +31,7 @@ void SolverFDDP::forwardPass(double steplength) {
   rollOut(steplength, gaps, gaps);
 }
 
-// Multiplies the terminal gap by 1 - steplength, as in Crocoddyl. All other gaps are closed.
+// Makes a step that multiplies the terminal gap by 1 - steplength, as in Crocoddyl. All other gaps are closed.
 void SolverBoxDDP::forwardPass(double steplength) { rollOut(steplength, false, !is_feasible_ && steplength != 1); }
 
 const std::vector<Eigen::MatrixXd>& SolverBoxDDP::get_Quu_inv() const {

@@ -1,4 +1,4 @@
-// SolverDDP::descend: quasi-Newton steps with respect to the feed-forward terms nu (control/ddp.hpp).
+// SolverDDP::descend makes quasi-Newton steps with respect to the feed-forward terms nu (control/ddp.hpp).
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +15,8 @@ constexpr double kArmijo = 1e-4;             // least accepted share of the redu
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
 constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, relative to a rejected step length
 constexpr int kTrials = 12;
-constexpr double kShort = 0.11, kVeryShort = 0.01;  // two steps below kShort, or a step below kVeryShort, end descend
+// Two consecutive steps below kShort, or one step below kVeryShort, end descend.
+constexpr double kShort = 0.11, kVeryShort = 0.01;
 
 }  // namespace
 
@@ -24,8 +25,8 @@ void SolverDDP::allocateDescent() {
   bfgs_.reserve(us_);
 }
 
-// Searches a step along nu_ that reduces the cost enough. If the reduction is below the cost's rounding error, the step
-// must reduce the slope enough. Sets g_try_ to the gradient after the step.
+// Searches for a step along nu_ that reduces the cost enough. If the expected reduction is below the cost's rounding
+// error, the step must reduce the slope enough instead. Sets g_try_ to the gradient after the step.
 bool SolverDDP::searchFeedForward() {
   const double rounding = std::max(th_grad_ * scale_, 100 * std::numeric_limits<double>::epsilon() * std::abs(cost_));
   setFeedForward(nu_);
@@ -52,8 +53,8 @@ bool SolverDDP::searchFeedForward() {
   return false;
 }
 
-// Computes nu_ = -H g_, with the inverse Hessian H of L-BFGS, and `stop`, the reduction that Gauss-Newton predicts.
-// Controls that nu_ would move beyond a limit end at the limit; the slope is computed for this clamped step.
+// Computes nu_ = -H g_ with the inverse Hessian H of L-BFGS, and sets `stop` to the reduction that Gauss-Newton
+// predicts. Controls that nu_ would move beyond a limit end at the limit. The slope is that of this clamped step.
 void SolverDDP::computeFeedForwardDirection() {
   nu_ = g_;
   preconditionFeedForward(nu_);
@@ -85,7 +86,8 @@ void SolverDDP::computeFeedForwardDirection() {
   } else {
     finish();
   }
-  if (slope_ >= 0 && stop_ > 0) {  // only the negative gradient is guaranteed to descend after clamping
+  // Only the negative gradient is guaranteed to descend after clamping.
+  if (slope_ >= 0 && stop_ > 0) {
     const double size = 2 * stop_ / dot(g_, g_);
     for (std::size_t t = 0; t < nu_.size(); ++t) nu_[t] = size * g_[t];
     finish();
@@ -97,7 +99,8 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
-  if (judges_) preg_ = dreg_ = reg_min_ * scale_;  // a larger regularisation would make `stop` smaller
+  // A larger regularisation would make `stop` smaller.
+  if (judges_) preg_ = dreg_ = reg_min_ * scale_;
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];

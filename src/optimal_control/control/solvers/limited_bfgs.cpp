@@ -7,7 +7,8 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kLeastCurvature = 1e-10;  // least accepted s^T y / (|s| |y|), for a step s that changes gradients by y
+// Smallest accepted s^T y / (|s| |y|), where the step s changes the gradient by y.
+constexpr double kLeastCurvature = 1e-10;
 
 void add_scaled(double a, const LimitedBfgs::Vectors& x, LimitedBfgs::Vectors& to) {
   for (std::size_t t = 0; t < x.size(); ++t) to[t] += a * x[t];

@@ -19,7 +19,7 @@ const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data
   return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
 }
 
-// Whether the backward pass can read a node's derivatives.
+// Returns whether the backward pass can read the derivatives of a node.
 bool is_readable(const ActionDataAbstract& data, Index ndx) {
   return data.has_matrices() ? data.Fx.rows() == ndx : without_matrices(data) != nullptr;
 }
@@ -27,7 +27,7 @@ bool is_readable(const ActionDataAbstract& data, Index ndx) {
 using Block = lq::RiccatiStep::Matrix;
 using Sparse = Eigen::SparseMatrix<double>;
 
-// Computes to += weight A. symmetric: only the lower triangle of A is added.
+// Adds weight A to `to`. symmetric: adds only the lower triangle of A.
 void add(const Sparse& A, bool symmetric, double weight, Block to) {
   for (Index j = 0; j < A.outerSize(); ++j)
     for (Sparse::InnerIterator it(A, j); it; ++it)
@@ -37,7 +37,7 @@ void add_lower(const MatrixXd& A, Block to) {
   for (Index j = 0; j < A.cols(); ++j) to.col(j).tail(A.rows() - j) += A.col(j).tail(A.rows() - j);
 }
 
-// Whether the lower triangle and v are finite and below 1e30.
+// Returns whether v and the lower triangle of V are finite and below 1e30.
 bool is_sound(const MatrixXd& V, const VectorXd& v) {
   for (Index j = 0; j < V.cols(); ++j)
     if (!(std::abs(v[j]) + V.col(j).tail(V.rows() - j).lpNorm<1>() < 1e30)) return false;
@@ -46,7 +46,7 @@ bool is_sound(const MatrixXd& V, const VectorXd& v) {
 
 }  // namespace
 
-// Allocates only vectors and matrices whose sizes do not fit.
+// Allocates only vectors and matrices whose sizes have changed.
 void RiccatiDirection::resize() {
   Direction::resize();
   node_ = kNoNode;
@@ -103,14 +103,15 @@ bool RiccatiDirection::compute(double preg, double) {
   return true;
 }
 
-// Vx += Vxx fs
+// Adds Vxx fs to Vx, unless the candidate has no gaps.
 void RiccatiDirection::add_gap(std::size_t t) {
   if (is_feasible_) return;
   Vxx_fs_[t].noalias() = value(t) * fs_[t];
   Vx_[t] += Vxx_fs_[t];
 }
 
-// Copies [fu fx] into riccati_; of symplectic Euler only the lower half, and returns the structure of the upper half.
+// Copies [fu fx] into riccati_. For symplectic Euler copies only the lower half, and returns the structure of the upper
+// half.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -197,7 +198,7 @@ void RiccatiDirection::compute_value_function(std::size_t t) {
   add_gap(t);
 }
 
-// u = us - s k - K (x (-) xs)
+// Computes u = us - s k - K (x (-) xs) for the step length s.
 void RiccatiDirection::step_control(std::size_t t, double steplength) {
   part_.problem->model(t)->get_state()->diff(xs_[t], xs_try_[t], dx_[t]);
   us_try_[t] = us_[t] - steplength * k_[t];
@@ -205,7 +206,7 @@ void RiccatiDirection::step_control(std::size_t t, double steplength) {
   limit_control(t);
 }
 
-// Returns dg = sum Qu^T k - sum Vx^T fs,    dq = - sum k^T Quu k + sum fs^T Vxx fs
+// Returns dg = sum Qu^T k - sum Vx^T fs and dq = - sum k^T Quu k + sum fs^T Vxx fs. Sums with fs require `gaps`.
 Eigen::Vector2d RiccatiDirection::improvement(bool gaps) {
   Eigen::Vector2d d = Eigen::Vector2d::Zero();
   const std::size_t T = k_.size();
@@ -228,14 +229,15 @@ double RiccatiDirection::gap_improvement() {
   if (is_feasible_) return dv;
   const std::size_t T = k_.size();
   for (std::size_t k = 0; k <= T; ++k) {
-    const std::size_t t = k == 0 ? T : k - 1;  // the terminal node first, as in Crocoddyl
+    // The terminal node comes first, as in Crocoddyl.
+    const std::size_t t = k == 0 ? T : k - 1;
     part_.problem->model(t)->get_state()->diff(xs_try_[t], xs_[t], step_);
     dv -= Vxx_fs_[t].dot(step_);
   }
   return dv;
 }
 
-// Returns the reduction of the cost by a Newton step, half the sum of Qu^T k.
+// Returns half the sum of Qu^T k, the reduction of the cost by a Newton step.
 double RiccatiDirection::expected_reduction() const {
   double out = 0;
   for (std::size_t t = 0; t < k_.size(); ++t) out += 0.5 * Qu_[t].dot(k_[t]);
@@ -276,7 +278,7 @@ void BoxDirection::resize() {
   }
 }
 
-// Computes k by the box QP, and K = Quu^-1 Qxu^T for free controls. Sets K and Qu of controls at limits to zero.
+// Computes k with the box QP, and K = Quu^-1 Qxu^T of the free controls. For controls at limits, K and Qu become zero.
 bool BoxDirection::compute_gains(std::size_t t) {
   const ActionModelAbstract& model = *part_.problem->model(t);
   if (model.get_nu() == 0) return true;
@@ -294,7 +296,8 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Solves with the whole Quu: the box QP's inverse is zero for clamped controls. Then sets controls at limits to zero.
+// Solves with the complete Quu, because the box QP's inverse is zero for clamped controls. Then sets the entries of
+// controls at limits to zero.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

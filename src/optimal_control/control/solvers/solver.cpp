@@ -18,7 +18,7 @@ const char* to_string(StopReason reason) {
 
 namespace {
 
-// Returns the larger of a and b for LInf, the sum a + b for L1; NaN if a or b is NaN.
+// Returns the larger of a and b for LInf, the sum a + b for L1, and NaN if a or b is NaN.
 double joined(double a, double b, FeasibilityNorm which) { return which == LInf ? sparse::larger_or_nan(a, b) : a + b; }
 
 }  // namespace

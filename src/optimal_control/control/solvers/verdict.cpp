@@ -1,4 +1,4 @@
-// Tests whether a result of SolverDDP is optimal, and steps that continue from a result that is not optimal.
+// Tests whether a result of SolverDDP is optimal, and continues from a result that is not optimal.
 
 #include <limits>
 
@@ -20,7 +20,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
       problem, xs, us, internal::least_squares_multipliers_of_nodes(problem, us, limits), limits, {}, scale, work);
 }
 
-// Returns the accepted excess of the cost over the optimum within limits: min(th_stop, 1e-9), at least rounding errors.
+// Returns the accepted excess of the cost over the optimum within limits: min(th_stop, 1e-9), but not below `rounding`.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
 // Restores a number at the end of the scope.
@@ -31,7 +31,7 @@ struct Restore {
 
 }  // namespace
 
-// Decides by the KKT residual, because cost reductions below the cost's rounding error cannot be tested.
+// Decides with the KKT residual, because cost reductions below the cost's rounding error cannot be tested.
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   calcDiff();
@@ -39,7 +39,8 @@ StopReason SolverDDP::judgeWithoutStep() {
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Whether the expected reduction is also small at the least regularisation: larger regularisations shorten every step.
+// Returns whether the expected reduction is also small at the smallest regularisation. A larger regularisation shortens
+// every step.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
@@ -53,8 +54,8 @@ bool SolverDDP::stopsUnregularised() {
   return stops;
 }
 
-// Whether half g^T Quu^-1 g is small, where g is the projected gradient with respect to the feed-forward terms. Returns
-// false for a regularised direction: its larger Quu makes this value too small.
+// Returns whether half g^T Quu^-1 g is small, where g is the projected gradient w.r.t. the feed-forward terms. Returns
+// false for a regularised direction, because its larger Quu makes this value too small.
 bool SolverDDP::isOptimalWithinLimits() {
   if (preg_ > reg_min_ * scale_) return false;
   problem_->calc(xs_, us_);
@@ -68,14 +69,15 @@ bool SolverDDP::isOptimalWithinLimits() {
   return 0.5 * dot(g_, nu_) < optimality_gap(th_stop_, rounding) * scale_;
 }
 
-// Continues with `descend`, whose gradient is exact. Directions of Crocoddyl's box rule may not descend: expected
-// improvement and value function do not include how far clamped controls move.
+// Continues with `descend`, whose gradient is exact. Directions of Crocoddyl's box rule may not descend, because
+// expected improvement and value function do not include how far clamped controls move.
 StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   const Restore restore{th_stop_, th_stop_};
   if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  constexpr int kRounds = 20, kIdle = 3;  // most rounds (one backward pass each); most consecutive rounds without gain
+  // Most rounds, each with one backward pass, and most consecutive rounds without gain.
+  constexpr int kRounds = 20, kIdle = 3;
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);
@@ -127,8 +129,8 @@ void SolverDDP::limitGuess() {
   }
 }
 
-// Makes the simulation of the guess's controls the candidate, if no step from a candidate with gaps was accepted. (Such
-// directions ignore the limits. Directions from a simulated motion, without gaps, include the limits.)
+// Makes the simulation of the guess's controls the candidate, if no step from a candidate with gaps was accepted. Such
+// steps ignore the limits, while steps from a simulated motion, which has no gaps, include them.
 bool SolverDDP::rollOutCandidate() {
   if (!keeps_limits() || is_feasible_) return false;
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_guess_[t];

@@ -1,4 +1,4 @@
-// The charts of `manycontact optimize`: convergence, torques and limits, forces and cones. Python draws them from JSON.
+// Draws convergence, torques with limits, and forces with cones for `manycontact optimize`. Python reads them as JSON.
 
 #include <cmath>
 #include <filesystem>
@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Returns the nodes that are not impacts, and have torques.
+// Returns the nodes that have torques and are not impacts.
 std::vector<std::size_t> nodes_with_torques(const OptimizedTask& motion) {
   std::vector<std::size_t> with;
   for (std::size_t t = 0; t + 1 < motion.nodes.size() && t < motion.solution.us.size(); ++t)
@@ -39,7 +39,8 @@ Json torques(const OptimizedTask& motion) {
   return out;
 }
 
-// Writes normal and tangential forces of contacts with three or more rows, and the smallest friction of their cones.
+// Writes normal and tangential forces of contacts with three or more rows, and their cones' smallest friction
+// coefficients.
 void add_forces(const OptimizedTask& motion, Json& out) {
   const Scene& scene = motion.task.scene.scene;
   std::vector<std::vector<double>> normal(scene.contacts.size()), tangential(scene.contacts.size());

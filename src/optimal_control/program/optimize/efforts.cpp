@@ -12,18 +12,19 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, the joint's limit, and the time of this torque.
+// The largest torque of one joint, with the joint's limit and the time of this torque.
 struct Torque {
   std::string name;
   double u = 0, limit = 0, time = 0;
   double share() const { return std::isfinite(limit) && limit > 0 ? std::abs(u) / limit : 0; }
 };
 
-// The forces of a group of contacts, normal and tangential, over all nodes.
+// The normal and tangential forces of a group of contacts over all nodes.
 struct Bore {
   int nodes = 0;
   double least = INFINITY, most = 0;  // least and largest normal force [N]
-  double ratio = 0, mu = INFINITY;    // largest ratio of tangential to normal force; smallest friction of the cones
+  // Largest ratio of tangential to normal force, and smallest friction coefficient of the cones.
+  double ratio = 0, mu = INFINITY;
 };
 
 void add_force(const Eigen::Vector2d& pressure, double mu, Bore& bore) {
@@ -76,7 +77,7 @@ void print_torques(std::ostream& out, const OptimizedTask& motion) {
 
 void print_forces(std::ostream& out, const OptimizedTask& motion) {
   const TaskFile& task = motion.task;
-  std::map<std::size_t, Bore> bores;  // keyed by contact group
+  std::map<std::size_t, Bore> bores;  // key: contact group
   for (std::size_t t = 0; t + 1 < motion.nodes.size(); ++t) {
     const auto forces = contact_forces(task, motion.problem, t);
     const auto q = motion.solution.xs[t].head(task.scene.scene.nq);

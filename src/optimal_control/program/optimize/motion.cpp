@@ -23,7 +23,7 @@ Vec3<double> frame_at(const Robot& robot, const Kinematics<double>& kin, const F
   return frame_placement<double>(kin, robot.base, frame.joint, frame.placement).p;
 }
 
-// Returns the frames that costs of any phase refer to, as robot and name, in the order of the file.
+// Returns robot and name of the frames to which costs of any phase refer, in the order of the file.
 std::vector<std::pair<int, std::string>> frames_of(const TaskFile& task) {
   std::vector<std::pair<int, std::string>> out;
   std::set<std::pair<int, std::string>> seen;

@@ -37,7 +37,7 @@ void show(std::size_t k, const TaskIteration& i) {
   std::cerr << line.str();
 }
 
-// Checks that no chart overwrites an input file or the output of another option.
+// Throws if a chart would overwrite an input file or the output of another option.
 void check_charts(const Arguments& arguments, const std::string& path, const TaskFile& task,
                   const std::string& folder) {
   std::vector<std::string> names{"charts.json"}, others = task.scene.files;
@@ -49,7 +49,7 @@ void check_charts(const Arguments& arguments, const std::string& path, const Tas
   check_folder("--charts", folder, names, others);
 }
 
-// Creates the folder for charts, and checks that the plotting program exists. Called before the solve.
+// Creates the folder for charts, and checks that the plotting program exists. This is called before the solve.
 void prepare_charts(const std::string& folder) {
   if (!find_python().draws) throw InputError(folder, 1, kNoCharts);
   std::error_code error;

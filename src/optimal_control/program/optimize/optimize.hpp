@@ -1,5 +1,5 @@
 #pragma once
-// The results and the output files of `manycontact optimize`.
+// The results of `manycontact optimize`, and the functions that write them.
 
 #include <iosfwd>
 #include <optional>
@@ -22,28 +22,30 @@ struct OptimizedTask {
   std::vector<PlanFinding> findings = {};
 };
 
-/// Writes task, solution, findings and report as JSON to `path`; "-" is standard output. Throws InputError on failure.
+/// Writes task, solution, findings and report as JSON to `path`. "-" is standard output. Throws InputError on failure.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
-/// Writes CSV in the columns of `simulate`: a row per node, except for impacts, which have the time of the next node.
+/// Writes a CSV file with the columns of `simulate` and one row per node. Impacts have no row, because they have the
+/// time of the next node.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
 void write_torques(const OptimizedTask& motion, const std::string& path);
-/// Writes t and the columns of `simulate --forces`, one row per node; zeros for open contacts.
+/// Writes t and the columns of `simulate --forces`, one row per node, with zeros for open contacts.
 void write_forces(const OptimizedTask& motion, const std::string& path);
 
-/// Draws convergence, torques and forces as .svg and .png in the folder, from charts.json there. Throws as run_python.
+/// Draws convergence, torques and forces as .svg and .png files in the folder, from its charts.json. Throws as
+/// run_python does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
-/// Records the states as frames of a view, with the torques and cones of the task.
+/// Records the states as frames of a view, with the torques and friction cones of the task.
 void record_motion(const OptimizedTask& motion, Recording& recording);
 
-/// Returns the smallest friction coefficient of the contact's cones in the phase; infinite without cones.
+/// Returns the smallest friction coefficient of the cones on a contact in the phase, or infinity if there are none.
 double friction_of(const TaskPhase& phase, int contact);
 
 void print_summary(std::ostream& out, const OptimizedTask& motion);
-/// Print parts of the summary: motion of robots and frames, largest torques, contact forces, costs.
+/// Print parts of the summary: the motion of robots and frames, the largest torques, contact forces, and costs.
 void print_motion(std::ostream& out, const OptimizedTask& motion);
 void print_torques(std::ostream& out, const OptimizedTask& motion);
 void print_forces(std::ostream& out, const OptimizedTask& motion);

@@ -7,9 +7,10 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs printed; most findings printed of a kind
+// Most costs that are printed, and most findings of a kind that are printed.
+constexpr std::size_t kMostCosts = 12, kMostFindings = 6;
 
-// Prints, for example, "closes: LF ...; LH ...; and 3 more".
+// Prints the findings of one kind, for example "closes: LF ...; LH ...; and 3 more".
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {
   std::vector<std::string> texts;
   for (const PlanFinding* finding : findings) texts.push_back(printable(finding->name) + " " + finding->text);

@@ -1,4 +1,4 @@
-// The summary of `optimize` for users: reason of the end, motion of robots, torques, forces, times.
+// Prints the summary of `optimize`: why it ended, motion of robots, torques, forces, times.
 
 #include <algorithm>
 

@@ -15,62 +15,72 @@ class Direction {
   using Vectors = std::vector<Eigen::VectorXd>;
 
   virtual ~Direction() = default;
-  /// The subproblem, and the indices of its coordinates in the solver's x, dx, u.
+  /// Returns the subproblem, with the indices of its coordinates in the solver's x, dx, u.
   const ShootingPart& part() const { return part_; }
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
-  virtual const char* name() const = 0;  // method of the direction
-  /// The sizes of the dense matrices that are factorized per node; each is the largest over all nodes.
+  virtual const char* name() const = 0;  // the name of the method
+  /// Returns the sizes of the dense matrices that are factorized per node. Each is the largest of all nodes.
   virtual std::vector<int> blocks() const;
   /// The feedback of some of the subproblem's coordinates: u = us - s k - K (x (-) xs) for a step of length s.
   struct Gains {
     std::vector<int> dx, u;  // indices among the solver's coordinates
     Eigen::MatrixXd K;
   };
-  /// Returns the gains of node t. Each control is in one entry. Empty before a direction is computed.
+  /// Returns the gains of node t, in which each control occurs once. Empty before a direction is computed.
   virtual std::vector<Gains> gains(std::size_t t) const = 0;
 
-  /// Vx: gradients of the value function (T + 1). k: feed-forward terms (T), which a step of length s multiplies by -s.
+  /// get_Vx returns the gradients of the value function (T + 1). get_k returns the feed-forward terms (T), which a step
+  /// of length s multiplies by -s.
   const Vectors& get_Vx() const { return Vx_; }
   const Vectors& get_k() const { return k_; }
 
   // ---- interface for the solvers
 
-  /// resize allocates memory for the problem's nodes; follow replaces the subproblem by one with the same coordinates.
+  /// resize allocates memory for the problem's nodes. follow replaces the subproblem by one with the same coordinates.
   virtual void resize();
   void follow(ShootingPart part) { part_ = std::move(part); }
-  /// Copies the subproblem's share of the solver's candidate. fs: gaps, ignored if is_feasible.
+  /// Copies the subproblem's share of the solver's candidate. fs: its gaps, which are ignored if is_feasible.
   void take_candidate(const ShootingProblem& problem, const Vectors& xs, const Vectors& us, const Vectors& fs,
                       bool is_feasible);
-  /// Computes Vx, k and intermediate results at the candidate. Returns false for non-finite numbers or nonconvexity.
+  /// Computes Vx, k and intermediate results at the candidate. Returns false if numbers are not finite or the problem
+  /// is not convex.
   virtual bool compute(double preg, double dreg) = 0;
-  /// Computes the trial states and controls; returns the cost, NaN if numbers are not finite. keep_gaps,
-  /// keep_terminal_gap: gaps of running nodes, or of the terminal node, are multiplied by 1 - steplength, else closed.
+  /// Computes trial states and controls. Returns the cost, or NaN if numbers are not finite. keep_gaps and
+  /// keep_terminal_gap multiply the gaps of running nodes, or of the terminal node, by 1 - steplength. Other gaps
+  /// close.
   double roll_out(double steplength, bool keep_gaps, bool keep_terminal_gap);
-  /// Returns (dg, dq): the expected reduction by a step of length s is s (dg + s dq / 2). gaps: includes terms of gaps.
+  /// Returns (dg, dq). A step of length s is expected to reduce the cost by s (dg + s dq / 2). gaps: includes gap
+  /// terms.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
-  virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp, at the trial states
-  virtual double expected_reduction() const = 0;  // the expected reduction of a full step from a candidate without gaps
+  // Returns the term dv of fddp.cpp at the trial states.
+  virtual double gap_improvement() { return 0; }
+  // Returns the expected reduction of a full step from a candidate without gaps.
+  virtual double expected_reduction() const = 0;
 
-  /// Functions for SolverDDP::descend: they set k = -nu, compute the gradient g at the trial controls from
+  /// Functions for SolverDDP::descend. They set k = -nu, compute the gradient g at the trial controls from
   /// differentiated nodes, or replace g by H^-1 g, where H is the Gauss-Newton Hessian with respect to nu.
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  virtual void hold_feed_forward(Vectors&) {}  // sets entries of controls to zero that were at a limit in the gradient
-  virtual void set_scale(double) {}            // sets the size of the cost, by which thresholds are multiplied
+  // Sets entries to zero whose controls were at a limit in the last gradient.
+  virtual void hold_feed_forward(Vectors&) {}
+  // Sets the size of the cost, which multiplies thresholds.
+  virtual void set_scale(double) {}
 
  protected:
-  /// is_whole: the subproblem is the solver's whole problem, with its coordinates in the same order.
+  /// is_whole: whether the subproblem is the solver's whole problem, with its coordinates in the same order.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  virtual void step_control(std::size_t t, double steplength) = 0;  // sets us_try[t] at xs_try[t]
+  // Computes the trial controls us_try[t] at the trial state xs_try[t].
+  virtual void step_control(std::size_t t, double steplength) = 0;
 
   ShootingPart part_;
   // The subproblem's share of the solver's candidate, and of the trial step.
   Vectors xs_, us_, fs_, xs_try_, us_try_;
   bool is_feasible_ = false;
-  Vectors Vx_, k_, dx_;        // T + 1, T, T
-  Eigen::VectorXd step_;       // ndx: workspace
-  bool held_changed_ = false;  // the last gradient has other controls at limits than the gradient before it
+  Vectors Vx_, k_, dx_;   // T + 1, T, T
+  Eigen::VectorXd step_;  // ndx: workspace
+  // Whether the last gradient has other controls at limits than the gradient before it.
+  bool held_changed_ = false;
 
  private:
   friend class SolverDDP;
@@ -85,7 +95,7 @@ class Direction {
   void give_u(const Vectors& own, Vectors& whole) const;
   bool is_whole_;
   Eigen::VectorXd xnext_;  // nx: workspace
-  Vectors feed_forward_;   // the part's share of the solver's feed-forward terms
+  Vectors feed_forward_;   // the subproblem's share of the solver's feed-forward terms
   double cost_try_ = 0;
   bool is_sound_ = false;
 };

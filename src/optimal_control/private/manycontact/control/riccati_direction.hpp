@@ -1,6 +1,6 @@
 #pragma once
-// The backward pass of SolverDDP (ddp.hpp), on dense derivatives or panels of IntegratedActionModelEuler. For nodes of
-// symplectic Euler it takes half the operations (lq/riccati_step.hpp). BoxDirection solves a box QP per node.
+// The backward pass of SolverDDP (ddp.hpp), on dense derivatives or on panels of IntegratedActionModelEuler. It takes
+// half the operations for nodes of symplectic Euler (lq/riccati_step.hpp). BoxDirection solves a box QP per node.
 
 #include "manycontact/control/box_qp.hpp"
 #include "manycontact/control/direction.hpp"
@@ -12,17 +12,17 @@ class RiccatiDirection : public Direction {
  public:
   using MatrixXdRowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  /// keeps_values: stores Vxx, Qxx, Qxu, Quu of all nodes, not only of the current node; a node takes twice the memory.
+  /// keeps_values: whether to store Vxx, Qxx, Qxu, Quu of all nodes, which doubles a node's memory.
   RiccatiDirection(ShootingPart part, bool is_whole, bool keeps_values)
       : Direction(std::move(part), is_whole), keeps_values_(keeps_values) {}
 
   const char* name() const override { return "Riccati"; }
   std::vector<Gains> gains(std::size_t t) const override;
 
-  /// Do the step of node t, from the value function of node t + 1: first compute_action_value_function, then
-  /// compute_gains and compute_value_function. std::invalid_argument is thrown for a wrong order.
+  /// Make the step of node t from the value function of node t + 1. compute_action_value_function must be called first,
+  /// then compute_gains, then compute_value_function. In another order they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
-  /// Returns false if Quu is not positive definite.
+  /// Computes the gains of node t. Returns false if Quu is not positive definite.
   virtual bool compute_gains(std::size_t t);
   void compute_value_function(std::size_t t);
 
@@ -44,8 +44,9 @@ class RiccatiDirection : public Direction {
 
  protected:
   void step_control(std::size_t t, double steplength) override;
-  virtual void limit_control(std::size_t) {}  // moves us_try[t] onto the limits
-  /// Sets gradient entries of node t to zero for controls at limits that a descent would exceed, and records them.
+  virtual void limit_control(std::size_t) {}  // clamps us_try[t] to the limits
+  /// Sets gradient entries of node t to zero for controls at limits that a descent would exceed. Records these
+  /// controls.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -60,8 +61,9 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  Eigen::MatrixXd two_values_[2];           // Vxx of nodes t and t + 1 of the pass, used if keeps_values_ is false
-  Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
+  // Vxx of nodes t and t + 1, if keeps_values_ is false
+  Eigen::MatrixXd two_values_[2];
+  Vectors Vxx_fs_, Quuk_;  // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
@@ -88,8 +90,9 @@ class BoxDirection : public RiccatiDirection {  // A direction within the models
  private:
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;        // bounds of du at the current node
-  std::vector<std::vector<bool>> held_;  // whether each control of each node was at a limit in the last gradient
+  Eigen::VectorXd du_lb_, du_ub_;  // bounds of du at the current node
+  // Flags of the controls of each node that were at a limit in the last gradient.
+  std::vector<std::vector<bool>> held_;
 };
 
 }  // namespace manycontact

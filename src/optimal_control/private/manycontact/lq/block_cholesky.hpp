@@ -1,7 +1,8 @@
 #pragma once
-// Factorizes a sparse symmetric matrix of dense blocks, S = L D L^T. D is diagonal with entries +1 or -1, the given
-// sign of each diagonal block: the pivot block times its sign has a Cholesky factor. The factor exists in every order
-// of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for sign -1.
+// Factorizes a sparse symmetric matrix of dense blocks as S = L D L^T. D is diagonal, and has the given sign (+1 or -1)
+// of each diagonal block, so that the pivot block times its sign has a Cholesky factor. The factor exists in every
+// order of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for
+// sign -1.
 
 #include <Eigen/Core>
 #include <utility>
@@ -18,21 +19,22 @@ class BlockCholesky {
     double sign;  // +1 or -1
   };
 
-  /// vertices: in the order of elimination. edges (u, v): nonzero blocks off the diagonal.
+  /// vertices: the diagonal blocks in the order of elimination. edges (u, v): nonzero blocks off the diagonal.
   void analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges);
 
   void set_zero();
-  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the mirrored place. A symmetric M on the
-  /// diagonal is added once.
+  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the transposed place. A symmetric M on the
+  /// diagonal is added only once.
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
   void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 
-  /// Adds sign * relative * (largest entry of a vertex's rows) to each vertex's diagonal: S becomes quasi-definite.
+  /// Adds sign * relative * (largest entry of the vertex's rows) to each vertex's diagonal, to make S quasi-definite.
   void add_proximal_term(double relative);
 
-  /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, else -1.
+  /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, or -1.
   [[nodiscard]] int factorize(double least);
-  void solve(Eigen::VectorXd& x) const;  // x <- S^-1 x, x by vertex
+  // Replaces x by S^-1 x, where x is ordered by vertex.
+  void solve(Eigen::VectorXd& x) const;
 
   int size() const { return start_.empty() ? 0 : start_.back(); }
   int start(int v) const { return start_[v]; }

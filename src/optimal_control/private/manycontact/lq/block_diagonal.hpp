@@ -1,5 +1,5 @@
 #pragma once
-// A square matrix that equals scale I except in a few diagonal blocks.
+// A square matrix that equals `scale` times the identity, except in a few diagonal blocks.
 
 #include <Eigen/Core>
 #include <vector>
@@ -24,13 +24,14 @@ struct BlockDiagonal {
   std::vector<Part> parts;  // ascending
 };
 
-// C <- beta C + (product in the comment), where beta is 0 or 1. C must not be one of the other arguments.
+// Each function computes C <- beta C + (the product in its comment), where beta is 0 or 1. C must differ from the other
+// arguments.
 void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);   // D X
 void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^T X
 void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D
 void add_XDt(Block C, double beta, ConstBlock X, const BlockDiagonal& D);  // X D^T
 
-/// X <- D^T X
+/// Replaces X by D^T X.
 void multiply_Dt(const BlockDiagonal& D, Block X);
 
 }  // namespace manycontact::lq

@@ -1,24 +1,24 @@
 #pragma once
 // Solves coupled blocks by a Schur complement, without one dense value function. A cluster is a set of blocks that
-// groups join in any knot. Each cluster has a Riccati recursion of its own, as if the couplings' variables y = (w, mu)
-// were given. A symmetric system S y + s = 0 in all y remains, sparse over the graph of couplings, dense in time. It is
-// factorized by blocks (block_cholesky.hpp). Block S_jl sums over clusters the effect of y_l (y of knot l) on the
-// equations of the couplings in knot j. Notation: a cluster's K, P, Qvv = L L^T (riccati.hpp), the closed loop
-// F = A + B K, and the coefficients Gx, Gu, E of y in q, r, f of knot l:
+// groups join in any knot. Each cluster has a Riccati recursion of its own, in which the couplings' variables y = (w,
+// mu) count as given. A symmetric system S y + s = 0 in all y remains, sparse over the graph of couplings, dense in
+// time. It is factorized by blocks (block_cholesky.hpp). Block S_jl is the sum over clusters of the effect of y_l (y of
+// knot l) on the equations of the couplings in knot j. Notation: K, P, Qvv = L L^T of a cluster (riccati.hpp), the
+// closed loop F = A + B K, and the coefficients Gx, Gu, E of y in q, r, f of knot l:
 //
 //   Gx = [S_w  C^T]      Gu = [R_uw  D_u^T]      E = [B_w  0]      g = Gu + B^T P+ E
-//   pi_l    = Gx + K^T Gu + F^T P+ E                       gradient of the value function by y_l
+//   pi_l    = Gx + K^T Gu + F^T P+ E                       gradient of the value function w.r.t. y_l
 //   W_(l+1) = F_l W_l F_l^T + B Qvv^-1 B^T,  W_0 = 0       so that y_l moves x_l by - W_l pi_l y_l
 //   theta_l = E - B Qvv^-1 g - F W_l pi_l
 //   S_ll    = [R_ww  D_w^T; D_w  0] + E^T P+ E - g^T Qvv^-1 g - pi_l^T W_l pi_l
 //   S_jl    = theta_j^T F_(j+1)^T ... F_(l-1)^T pi_l       j < l
 //
-// One backward sweep computes S_jl for all columns of a vertex of S. The sweeps take n^2 (m T) T operations per cluster
-// of n states and m numbers y per knot; the Riccati recursion takes T n^3. The factorization of S for chains and trees
-// of robots takes (m T)^3 per coupling. For each coupling mu is eliminated before w. S is quasi-definite if the costs
-// are convex, and strictly convex in u. If S is only semidefinite, a proximal term is added, and iterative refinement
-// removes its error. Dependent, consistent couplings then have a solution with one of many possible mu and w.
-// Inconsistent couplings leave a large KKT error (kInaccurate).
+// One backward sweep computes S_jl for all columns of a vertex of S. For a cluster of n states with m numbers y per
+// knot, the sweeps take n^2 (m T) T operations, and the Riccati recursion takes T n^3. The factorization of S for
+// chains and trees of robots takes (m T)^3 per coupling. For each coupling mu is eliminated before w. S is
+// quasi-definite if the costs are convex, and strictly convex in u. If S is only semidefinite, a proximal term is
+// added, and iterative refinement removes the error of this term. Redundant couplings then have a solution with one of
+// many possible mu and w. Inconsistent couplings leave a large KKT error (kInaccurate).
 
 #include "manycontact/lq/coupling_graph.hpp"
 #include "manycontact/lq/riccati.hpp"
@@ -30,7 +30,8 @@ class CouplingSchur : public DirectionSolver {
   const char* name() const override { return "Schur complement of couplings"; }
   double flops() const override { return flops_; }
 
-  /// The Riccati recursions of the clusters. Their policies are feedback about the solution, for constant w and mu.
+  /// Returns the Riccati recursions of the clusters. Their policies are feedback about the solution at constant w and
+  /// mu.
   const Riccati& clusters() const { return riccati_; }
 
  protected:
@@ -51,7 +52,7 @@ class CouplingSchur : public DirectionSolver {
   BlockCholesky schur_;
   double flops_ = 0;
 
-  // Workspace of the current cluster; F_, pi_, theta_ by knot.
+  // Workspace of the current cluster. F_, pi_ and theta_ have one entry per knot.
   bool by_steps_ = false;
   std::vector<std::vector<double>> F_, pi_, theta_;
   std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, Z_, Z_next_;

@@ -17,23 +17,23 @@ namespace manycontact::lq {
 enum class Status {
   kOk,
   kNotConvex,   // the Hessian with respect to a knot's controls is not positive definite (larger reg.u may help)
-  kSingular,    // the equations of couplings depend on each other, or do not determine w (reg.rows may help)
-  kNotFinite,   // overflow, or NaN in the problem
+  kSingular,    // the equations of couplings are dependent, or do not determine w (reg.rows may help)
+  kNotFinite,   // numbers overflowed, or the problem contains NaN
   kInaccurate,  // solved, but the KKT error remains above kAccurate after refinement
 };
 
 struct Outcome {  // The result of a factorization or of a solve.
   Status status = Status::kOk;
   int knot = -1;         // number of the knot that failed, or -1
-  double kkt_error = 0;  // KKT error of the returned z: largest relative error over the equations (kkt.hpp)
+  double kkt_error = 0;  // KKT error of the returned z, the largest relative error of an equation (kkt.hpp)
   int refinements = 0;
 };
 
-/// KKT error up to which a solution is accepted. It is 1000 times the rounding error of a sum over T = 1000 knots, and
+/// The largest KKT error of an accepted solution. It is 1000 times the rounding error of a sum over T = 1000 knots, and
 /// 1e-4 times the accuracy that a Newton step needs.
 inline constexpr double kAccurate = 1e-10;
 
-/// KKT error above which a solution is refined. A smaller error has no effect on the convergence of Newton's method.
+/// The KKT error above which a solution is refined. A smaller error does not affect the convergence of Newton's method.
 inline constexpr double kRefineAbove = 1e-13;
 
 class DirectionSolver {
@@ -45,7 +45,7 @@ class DirectionSolver {
   [[nodiscard]] Outcome solve(const Problem& problem, Point& z);
 
   virtual const char* name() const = 0;
-  /// Operations (additions and multiplications) of factorize, predicted without Group::steps.
+  /// Returns the predicted operations (additions and multiplications) of factorize, without the effect of Group::steps.
   virtual double flops() const = 0;
 
   int max_refinements = 3;  // largest number of corrections by iterative refinement
@@ -53,7 +53,7 @@ class DirectionSolver {
  protected:
   virtual void do_analyse(const Problem& problem) = 0;
   virtual Outcome do_factorize(const Problem& problem, const Regularisation& reg) = 0;
-  /// Solves H z + h = 0 (kkt.hpp) for z. first: true for the solve itself, false for a correction of refinement.
+  /// Solves H z + h = 0 (kkt.hpp) for z. first: whether this is the solve itself, and not a correction of refinement.
   virtual void do_solve(const Problem& problem, const Point& h, Point& z, bool first) = 0;
 
   Layout layout_;

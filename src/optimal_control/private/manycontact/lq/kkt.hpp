@@ -1,23 +1,25 @@
 #pragma once
-// The optimality conditions H z + h = 0 of lq/problem.hpp, H symmetric, z = (x, u, w, lambda, mu), and their error.
+// The optimality conditions H z + h = 0 of lq/problem.hpp and their error. H is symmetric; z = (x, u, w, lambda, mu).
 
 #include "manycontact/lq/problem.hpp"
 
 namespace manycontact::lq {
 
-/// Sets h: q in x, r in u and w, (x0, f of knots 0 ... T-1) in lambda, d in mu.
+/// Sets h, which contains q in x, r in u and w, x0 and f of the knots 0 ... T-1 in lambda, and d in mu.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
-/// Computes residual = H z + h. Returns the largest relative error of an equation: |residual| divided by the largest
-/// sum of |terms| over the equations of its block in its knot (0 / 0 is 0). NaN if a term is NaN. `scale`: workspace.
+/// Computes residual = H z + h. Returns the largest relative error of an equation, which is |residual| divided by the
+/// largest sum of |terms| of the equations of its block in its knot (0 / 0 is 0). NaN if a term is NaN. scale:
+/// workspace.
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 
-/// Returns the error that kkt_residual returns; allocates the workspace at each call.
+/// Returns the error that kkt_residual returns. Allocates the workspace in each call.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
-/// The change of the cost without regularisation: cost(z) - cost(0) = linear + quadratic / 2, for the optimum z of the
-/// problem with the regularisation `reg`. cost_change uses the optimality conditions, and no products with matrices.
+/// The change of the cost without regularisation, cost(z) - cost(0) = linear + quadratic / 2, where z is the optimum of
+/// the problem with the regularisation `reg`. cost_change uses the optimality conditions, and no products with
+/// matrices.
 struct Change {
   double linear = 0, quadratic = 0;
 };

@@ -1,5 +1,5 @@
 #pragma once
-// The plan of a Riccati recursion: in each knot the sets of blocks (clusters) that have one value function together.
+// The plan of a Riccati recursion: for each knot, the sets of blocks (clusters) that have a common value function.
 
 #include <vector>
 
@@ -7,7 +7,7 @@
 
 namespace manycontact::lq {
 
-/// A part of a vector of a group (offset `from`), and its offset `to` in the vector of the cluster.
+/// A part of a vector of a group. It begins at `from` in this vector, and at `to` in the vector of the cluster.
 struct Piece {
   int from, size, to;
 };
@@ -19,8 +19,9 @@ struct Member {  // A group of a cluster.
   std::vector<Piece> rows;  // equations of the couplings within the cluster
 };
 
-/// A set of blocks that are joined in this knot or later, and have one value function. Its state is the members' states
-/// in sequence. Its controls v are the members' u, then the variables w of the couplings within the cluster.
+/// A set of blocks that are joined in this knot or later, and therefore have a common value function. Its state
+/// consists of the members' states. Its controls v are the members' u, then the variables w of the couplings within the
+/// cluster.
 struct Cluster {
   std::vector<int> blocks;   // listed in the order of the members
   std::vector<int> x_start;  // start of each block in the cluster's x

@@ -29,26 +29,28 @@
 
 namespace manycontact::lq {
 
-/// The structure of a symplectic Euler step. The state of a block is [y; z], halves of equal size, and the step moves y
-/// by the new z: A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, where A_z, B_z are the lower halves of A, B. Riccati and
-/// CouplingSchur then take half the operations for products with A.
+/// The structure of a symplectic Euler step. The state of a block is [y; z] with halves of equal size, and the step
+/// moves y according to the new z: A = [J 0; 0 0] + [G; 1] A_z, B = [G; 1] B_z, where A_z, B_z are the lower halves of
+/// A and B. With this structure, Riccati and CouplingSchur take half the operations for products with A.
 struct SymplecticStructure {
   BlockDiagonal J, G;
 };
 
-/// One group of a knot, with nx states and nu controls of its blocks, nw variables and nc equations of its couplings,
-/// and nv = nu + nw. Q and R must be symmetric; entries of both triangles are read.
+/// One group of a knot. Its blocks have nx states and nu controls, its couplings have nw variables and nc equations,
+/// and nv = nu + nw. Q and R must be symmetric, because entries of both triangles are read.
 struct Group {
   std::vector<int> blocks;
-  std::vector<int> couplings;  // numbers of its couplings in the knot, in the order of v_g and of the rows of C
+  // Indices in the knot of the group's couplings, in the order of v_g and of the rows of C.
+  std::vector<int> couplings;
 
-  Eigen::MatrixXd Q, S, R;                   // nx x nx, nx x nv, nv x nv
-  Eigen::VectorXd q, r;                      // nx, nv
-  Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
-  Eigen::VectorXd f;                         // nx: the gap, if the problem is a step of Newton's method
-  std::optional<SymplecticStructure> steps;  // structure of A and B if known; A and B contain all entries in any case
-  Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
-  Eigen::VectorXd d;                         // nc
+  Eigen::MatrixXd Q, S, R;  // nx x nx, nx x nv, nv x nv
+  Eigen::VectorXd q, r;     // nx, nv
+  Eigen::MatrixXd A, B;     // nx x nx, nx x nv; unused in the terminal knot
+  Eigen::VectorXd f;        // nx: the gap, in a step of Newton's method
+  // Structure of A and B, if it is known; A and B contain all entries in any case.
+  std::optional<SymplecticStructure> steps;
+  Eigen::MatrixXd C, D;  // nc x nx, nc x nv
+  Eigen::VectorXd d;     // nc
 };
 
 struct Coupling {
@@ -70,10 +72,10 @@ struct Problem {            // all knots of a horizon
   int blocks() const { return static_cast<int>(nx.size()); }
 };
 
-/// Sets every matrix and vector to zero, with the sizes that follow from nx, nu, the groups and the couplings.
+/// Sets every matrix and vector to zero, with the size that follows from nx, nu, the groups and the couplings.
 void set_zero(Problem& problem);
 
-/// Throws std::invalid_argument, with knot and group, if sizes, partition or couplings do not fit.
+/// Throws std::invalid_argument, whose message names knot and group, if sizes, partition or couplings do not fit.
 void check(const Problem& problem);
 
 /// Offsets of blocks and couplings in the vectors of a Point. Each list ends with the total size.
@@ -85,7 +87,7 @@ struct Layout {
   Layout() = default;
 };
 
-/// A point of the problem, or the gradients there: for each knot a vector of each kind of variables and multipliers.
+/// A point of the problem, or gradients at a point: for each knot one vector per kind of variables and multipliers.
 struct Point {
   std::vector<Eigen::VectorXd> x;       // T + 1 vectors: the states of all blocks
   std::vector<Eigen::VectorXd> u;       // T + 1 vectors: the controls of all blocks; empty in the terminal knot
@@ -97,8 +99,8 @@ struct Point {
   Point() = default;
 };
 
-/// Terms that are added to the diagonals: Q + x I, R + u I for controls (not for w), and C x + D v + d - rows mu = 0.
-/// x and u are Crocoddyl's preg and dreg. `rows` is a proximal term of the couplings' equations.
+/// Terms that are added to diagonals, which give Q + x I, R + u I for controls (not for w), and C x + D v + d - rows mu
+/// = 0. `x` and `u` are preg and dreg of Crocoddyl. `rows` is a proximal term of the couplings' equations.
 struct Regularisation {
   double x = 0, u = 0, rows = 0;
 };

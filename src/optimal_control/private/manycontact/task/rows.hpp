@@ -1,11 +1,11 @@
 #pragma once
-// Residuals that wrap another ("inner") residual: they select some of its rows, or express it in other axes.
+// Residuals that wrap another ("inner") residual, to select some of its rows or to express it in other axes.
 
 #include "manycontact/action/residual.hpp"
 
 namespace manycontact {
 
-/// The common base: contains the inner residual, and its data.
+/// The common base class of these residuals, with the inner residual and its data.
 class ResidualOfInner : public ResidualModelAbstract {
  public:
   std::shared_ptr<ResidualDataAbstract> createData(DataCollector* shared) override;
@@ -35,7 +35,7 @@ class ResidualOfInner : public ResidualModelAbstract {
 
 class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
  public:
-  /// rows: each at most once, of inner's nr.
+  /// rows: indices below inner's nr, each at most once.
   ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inner, std::vector<int> rows);
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;
@@ -43,13 +43,14 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void print(std::ostream& os) const override { os << rows_.size() << " rows of " << *inner_; }
 
  private:
-  std::vector<int> rows_, row_of_;  // row_of_: index in rows_ of each row of the inner residual; -1 if left out
+  // row_of_: index in rows_ of each row of the inner residual, or -1 if the row is left out
+  std::vector<int> rows_, row_of_;
 };
 
-/// Expresses a residual in the axes of a copied robot: r = X r_inner. Weights and bounds apply along the copy's axes.
+/// Expresses a residual in the axes of a copied robot, r = X r_inner. Weights and bounds apply along these axes.
 class ResidualModelTurned : public ResidualOfInner {
  public:
-  /// X: nr x nr. Blocks of the inner residual must contain all rows.
+  /// X has nr rows and columns. Blocks of the inner residual must contain all rows.
   ResidualModelTurned(std::shared_ptr<ResidualModelAbstract> inner, const Eigen::MatrixXd& X);
   void lay_out(ResidualDataAbstract& data) const override;
   void calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) override;

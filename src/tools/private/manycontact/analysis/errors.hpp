@@ -25,8 +25,9 @@ double largest_entry(const X& x) {
   return out;
 }
 
-/// Differences of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of |truth| and
-/// |at_least| (scene.nv, or empty). at_least is for robots at rest, whose accelerations are rounding errors.
+/// Returns the deviations of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of
+/// |truth| and |at_least|. at_least (scene.nv, or empty) is for robots at rest, whose accelerations are rounding
+/// errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {
@@ -67,7 +68,7 @@ std::vector<Deviation> force_deviations(const Scene& scene, const std::vector<in
   return out;
 }
 
-/// The largest absolute and the largest relative deviation; NaN if a deviation is NaN.
+/// Returns the largest absolute and the largest relative deviation; NaN if a deviation is NaN.
 inline Deviation worst(const std::vector<Deviation>& deviations) {
   Deviation out;
   for (const Deviation& d : deviations) {

@@ -1,7 +1,7 @@
 #pragma once
-// Finds the contact rows of an island that are independent of the rows before them, at the q of the last solve. Their
-// number equals the rank of the solve. Without damping it is the rank of J to about tolerance::kRank times the scale
-// of each row (row_scale, rank/row_size.hpp), which is at least the norm of the row.
+// Finds the contact rows of an island that are independent of the rows before them, at the q of the last solve. There
+// are as many as the rank that the solve found. Without damping this is the rank of J to about tolerance::kRank times
+// the scale of each row (row_scale, rank/row_size.hpp), which is at least the norm of the row.
 
 #include "manycontact/analysis/names.hpp"
 #include "manycontact/dynamics/views.hpp"
@@ -21,7 +21,7 @@ enum class Holds {
 
 /// All active contacts between the same two bodies.
 struct BodyPair {
-  Body A, B;                     // A can move
+  Body A, B;                     // A is a body that can move
   std::string place_A, place_B;  // place_name of the contacts' ends
   std::vector<int> contacts;     // scene numbers of the contacts, ascending
   int rows = 0, rank = 0;
@@ -29,23 +29,25 @@ struct BodyPair {
   int alone = -1;  // kOneContact: scene number of the contact
 };
 
-/// A contact with dependent rows, because its robots cannot move in all directions of the contact.
+/// A contact with redundant rows, because its robots cannot move in all directions that the contact constrains.
 struct Lighter {
   int contact = -1, rank = 0;
   std::string type;   // contact type with fewest rows of equal rank at the same frame; empty if there is none
   int only_just = 0;  // number of rows beyond `rank` that are nearly dependent (analysis/near_dependent.hpp)
 };
 
-struct IslandRanks {            // Result of find_ranks for one island.
-  bool known = false;           // whether rank and redundant are computed; false: the island is too large
+struct IslandRanks {  // Result of find_ranks for one island.
+  // Whether rank and redundant are computed; they are not if the island is too large.
+  bool known = false;
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: whether it depends on the rows before it
   std::vector<BodyPair> pairs;  // sorted by their first contacts
   std::vector<Lighter> lighter;
 };
 
-/// Finds an island's ranks after a solve, whatever its status. If nv nc^2 exceeds 3e9, dense matrices would be too
-/// large: `known` is false, and only the ranks of body pairs are computed. Throws std::logic_error before a solve.
+/// Finds an island's ranks after a solve, whatever its status. If nv nc^2 exceeds 3e9, only the ranks of body pairs are
+/// computed, and `known` is false. If the island is too deep to store J, nothing is computed. Throws std::logic_error
+/// before a solve.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
 /// Names of an island's rows, and of its contacts without the redundant rows.
@@ -54,26 +56,27 @@ struct RowSelection {
   std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]"
   std::vector<std::string> dropped;    // contacts of which no row is left
 };
-/// Selects rows by an island's known ranks. A row is dropped if it depends on earlier rows: first contacts stay whole.
+/// Selects rows if the ranks are known. A row is dropped if it depends on earlier rows; first contacts stay complete.
 RowSelection select_rows(const Scene& scene, const Island& island, const IslandRanks& ranks);
 
-/// Islands of one shape with equal ranks, and equal status, method, order and reason in the last solve.
+/// Islands that have the same shape and ranks, and had the same status, method, order and reason in the last solve.
 struct IslandKind {
   std::vector<int> islands;  // numbers of the islands, ascending
   IslandRanks ranks;         // ranks of the first of these islands
 };
 
-/// Finds the kinds, in the order of their first islands. Throws std::logic_error before a solve.
+/// Finds the kinds of islands, in the order of their first islands. Throws std::logic_error before a solve.
 std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data);
 
-/// Groups body pairs with the same models, joints, contact types and ranks; returns positions in `pairs`.
+/// Groups body pairs that have the same models, joints, contact types and ranks. Returns positions in `pairs`.
 std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std::vector<BodyPair>& pairs);
 
 namespace internal {
 
-/// The norm of each row of J orthogonal to the independent rows before it, relative to its size (rank/row_size.hpp).
+/// The norm of each row's component orthogonal to the preceding independent rows, divided by the row's scale
+/// (rank/row_size.hpp).
 struct RowRemainders {
-  std::vector<double> left;             // empty if J is not in joint space
+  std::vector<double> left;             // empty if J is not stored in joint space
   double dependent = tolerance::kRank;  // rows with remainders up to this threshold are dependent; it is chosen
                                         // such that the solve dropped equally many rows
 };

@@ -1,5 +1,5 @@
 #pragma once
-// The visual shapes of a URDF's links, for pictures only: a Model does not contain them.
+// The visual shapes of a URDF's links. They serve for pictures only, and a Model does not contain them.
 
 #include <array>
 #include <optional>
@@ -25,9 +25,9 @@ struct Visual {  // One shape of a link.
 /// Loads all visuals in the order of the file. Shapes other than those of URDF 1.0 are skipped. Throws InputError.
 std::vector<Visual> load_visuals(const std::string& urdf);
 
-/// Finds the file that a URDF calls `name`; "" if there is none. "package://p/rest" is p/rest in one of these folders,
-/// or rest if the folder is called p: the URDF's folder, the folders above it, and those of ROS_PACKAGE_PATH.
-/// "file://" is an absolute path; any other name is relative to the URDF.
+/// Finds the file that a URDF calls `name`; returns "" if there is none. Packages are searched in the URDF's folder,
+/// the folders above it, and those of ROS_PACKAGE_PATH. "package://p/rest" is p/rest in such a folder, or `rest` if the
+/// folder itself is called p. "file://" is an absolute path. Any other name is relative to the URDF.
 std::string find_mesh(const std::string& urdf, const std::string& name);
 
 }  // namespace manycontact

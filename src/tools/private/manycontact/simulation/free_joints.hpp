@@ -11,13 +11,15 @@
 
 namespace manycontact::internal {
 
-/// Computes a = -v / h - w x v, the acceleration with which the step ends at x = 0. v, a: nv.
+/// Computes the acceleration a = -v / h - w x v with which a step ends at x = 0. v, a: nv. The term w x v, with w the
+/// angular velocity, is only in translations of free joints.
 void stop_in_a_step(const Scene& scene, const Eigen::VectorXd& v, double h, Eigen::VectorXd& a);
-/// Returns the derivative of w x v with respect to a free joint's velocity, in the joint's coordinates.
+/// Returns the derivative of w x v with respect to the velocity of a free joint, in the joint's coordinates; w and v
+/// are the angular and linear velocity.
 using OfFreeJoint = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 OfFreeJoint derivative_of_turn(const Joint& joint, const ConstVectorRef& v);
 
-/// Computes the state q+, v+ after a step from q with x (nv). v_next may be x. scratch: nv.
+/// Computes the state q+, v+ after a step from q with the solution x (nv). v_next may be x. scratch: nv.
 void end_free_joints(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& x, double h,
                      Eigen::VectorXd& scratch, Eigen::VectorXd& q_next, Eigen::VectorXd& v_next);
 /// Transforms F (2 nv rows) from [dq + h dx; dx] to the derivatives of q+ and v+. Allocates nothing.

@@ -26,7 +26,7 @@
 
 namespace manycontact {
 
-/// Workspace for derivatives of a scene's groups with respect to n numbers; the first 2 nv are the step's q and v.
+/// Workspace for derivatives of a scene's groups with respect to n numbers. The first 2 nv of these are q and v.
 struct FreeMotionDerivatives {
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 
@@ -37,8 +37,9 @@ struct FreeMotionDerivatives {
     Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; only columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
-  std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; an entry is empty if tied to the world
-  /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference.
+  // One entry per group of FreeGroups::groups; empty for a group that is tied to the world.
+  std::vector<OfGroup> groups;
+  /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference point.
   struct Carried {
     Inertia<double> Y;
     Vec6<double> h;
@@ -48,12 +49,13 @@ struct FreeMotionDerivatives {
 };
 
 /// Computes the derivatives of C+, P+, L+ of begin_free_motion with respect to [q v | w]. kin must still be at q, v.
-/// dtau_dx (nv x 2 nv), dtau_dw (nv x nw): derivatives of the torques tau(x, w), x = (q, v). Allocates nothing.
+/// dtau_dx (nv x 2 nv) and dtau_dw (nv x nw) are derivatives of the torques tau(x, w) with x = (q, v). Allocates
+/// nothing.
 void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
                          const Eigen::SparseMatrix<double>& dtau_dw, const ConstVectorRef& tau, double h,
                          const std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d);
 
-/// Transforms F (2 nv x n) from derivatives of the state given to end_free_motion to those of its result q, v. kin:
+/// Transforms F (2 nv x n) from derivatives of the state before end_free_motion to derivatives of q, v after it. kin is
 /// workspace. Allocates nothing.
 void differentiate_end(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                        std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d,

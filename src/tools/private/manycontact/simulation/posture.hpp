@@ -23,20 +23,21 @@ struct ClosestPosture {  // The configuration between two states that is nearest
 };
 
 struct PostureData {  // Smallest sigma of each island, and workspace for its solves.
-  /// Allocates for `scene`. `options` are those of the solves.
+  /// Allocates memory for `scene`. `options` are those of the solves.
   explicit PostureData(const Scene& scene, const Options& options = {});
 
   SceneAtRest rest;
   SceneData dynamics;
-  std::vector<char> active;  // contacts active at the last state
-  bool known = false;        // whether w, x, sigma belong to the last state
-  Eigen::VectorXd w, x;      // rows of f; nv
+  // Flags of the contacts that were active at the last state.
+  std::vector<char> active;
+  bool known = false;    // whether w, x, sigma belong to the last state
+  Eigen::VectorXd w, x;  // rows of f; nv
   Eigen::VectorXd asked, Jx, scratch;
   std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its maximum so far
 };
 
-/// Proceeds to the state q (nq) with the contacts flagged `active`. Returns the configuration with the least share of
-/// all islands. Restarts the inverse iteration in the first call, and if `active` has changed.
+/// Proceeds to the state q (nq) with the contacts flagged `active`. Returns the closest configuration of the island
+/// that has the least share. The first call, and a change of `active`, restart the inverse iteration.
 ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& active, const Eigen::VectorXd& q,
                               PostureData& data);
 

@@ -1,10 +1,10 @@
 #pragma once
-// Steps h that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and the
-// mass m that a spring moves, the motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
+// Finds steps h that are too long for a spring, a damper, a PD law or joint friction. With stiffness k, damping c and
+// the mass m that a spring moves, the motion is m x'' + c x' + k x = 0. RK4 is stable while |h lambda| < 2.6 for
 // lambda^2 + (c/m) lambda + k/m = 0. Semi-implicit Euler, with these forces at the end of a step, is stable for any h.
 // With omega^2 = k/m, it keeps a spring's energy if h omega << 1, and dissipates it within few steps if h omega > 2.
-// The mass includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. Each spring and
-// joint is examined alone; several springs on one body need shorter steps.
+// The mass includes the contacts: 1/m = g^T M^-1 g with the torques g of a unit force along the spring. Springs and
+// joints are examined one by one; several springs on one body need shorter steps.
 
 #include "manycontact/simulation/step.hpp"
 
@@ -15,22 +15,24 @@ struct SpringMobilities {             // 1/m of bodies on springs and dampers, i
                                       // B by a unit force on A and its opposite on B, in world axes [1/kg]
   Eigen::VectorXd joints;             // nv: joint coordinates with springs, dampers, PD laws or friction; 0 at others
 };
-/// Computes mobilities at q (nq), with the contacts flagged `active`; zero if nothing moves or the solve failed. Each
-/// joint takes a solve. If a robot has more than a hundred joints with forces, they get infinite mobility instead.
+/// Computes mobilities at q (nq) with the contacts flagged `active`. A mobility is zero if nothing moves or the solve
+/// failed. Makes one solve per joint. If more than a hundred joints of a robot have forces, their mobility is infinite.
 SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                    const Eigen::VectorXd& q);
 
-/// The largest step [s] with which RK4 is stable or semi-implicit Euler resolves the oscillation. k, c: divided by m.
+/// Returns the largest step [s] with which RK4 is stable or semi-implicit Euler resolves the oscillation. k and c are
+/// stiffness and damping divided by the mass.
 double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
-  int spring = -1;      // index in Scene::springs; -1: no spring between points
-  int coordinate = -1;  // index in v of a joint with springs, dampers, a PD law or friction; -1: no joint
-  double largest = 0;   // largest step [s]
+  int spring = -1;  // index in Scene::springs; -1: none
+  // Index in v of a joint with springs, dampers, a PD law or friction; -1: none.
+  int coordinate = -1;
+  double largest = 0;  // largest step [s]
   bool any() const { return spring >= 0 || coordinate >= 0; }
 };
 
-/// The spring or joint that needs the shortest steps at q (nq), with the contacts flagged `active`.
+/// Returns the spring or joint that needs the shortest steps at q (nq) with the contacts flagged `active`.
 SpringStep shortest_spring_step(const Scene& scene, const PdLaws& pd, const std::vector<char>& active,
                                 const Eigen::VectorXd& q, Integrator integrator);
 
