@@ -89,14 +89,13 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 // Differentiates an island outside SIMD batches: robot by robot if that is cheaper, else by the system that solved or
 // by MatrixSystem. If sparse-bodies solved, MatrixSystem is tried first, unless K is too large
 // (kDifferentiatedByMatrix): sparse-bodies solves column by column, which takes 4 to 70 times as long as a sparse
-// factor of K.
-void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, ThreadWork& thread,
+// factor of K. rank: the rank of J in the solution, which MatrixSystem must find, too.
+void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, int rank, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;
   if (data.options.method == Method::kAuto && d.answered_by(d.bodies.get()) &&
       d.island.size() <= tolerance::kDifferentiatedByMatrix && d.matrix.make_current(scene, data, thread) &&
-      d.matrix.deficient() == d.deficient &&  // both or neither found dependent rows
-      d.matrix.differentiate(scene, data, thread, out))
+      d.matrix.factor->rank() == rank && d.matrix.differentiate(scene, data, thread, out))
     return;
   if (!ask(scene, data, d, thread, [&](IslandSystem& system) {  // d.robots failed above, or is not cheaper
         return &system != d.robots.get() && system.differentiate(scene, data, thread, out);
@@ -141,7 +140,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
   internal::each_island(
       w, [](const IslandWork& d) { return d.served_in_lanes(); }, internal::differentiates_by_robots,
       [&](IslandWork& d, std::size_t i, ThreadWork& thread) {
-        internal::differentiate_island(scene, data, d, thread, w.derivatives.islands[i]);
+        internal::differentiate_island(scene, data, d, data.report.islands[i].rank, thread, w.derivatives.islands[i]);
       });
   if (applied) internal::join_applied_forces(scene, data, wanted);
   for (IslandDerivatives& out : w.derivatives.islands) out.stamp = {&w.current, data.serial};
@@ -150,7 +149,7 @@ const DerivativeData& differentiate(const Scene& scene, SceneData& data, const D
 
 const DerivativeData& derivatives(const SceneData& data) {
   if (!internal::has_derivatives(data))
-    throw std::logic_error("derivatives: of no solution at hand, call differentiate first");
+    throw std::logic_error("derivatives: the current solution has no derivatives, call differentiate first");
   return data.workspace->derivatives;
 }
 

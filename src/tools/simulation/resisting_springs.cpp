@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "internal.hpp"
@@ -108,10 +109,10 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias to b. If it returns false because batches cannot solve,
-// these terms are in b and d.tau instead.
-bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
-  if (!d.in_batches) return false;
+// Solves K v+ = b in SIMD batches, which add M v and the bias to b, and returns whether that succeeded. If batches cannot
+// solve, it returns nothing, and these terms are in b and d.tau instead.
+std::optional<bool> solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
+  if (!d.in_batches) return std::nullopt;
   d.next_contact_v.resize(d.wanted.size());
   const auto [rest, data] = at_rest_with_joints(d);
   const StartOfStep start{d.v.data(), d.stop.data(), d.at_rest.gravity, d.h, d.next_contact_v.data()};
@@ -120,7 +121,7 @@ bool solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   b -= d.tau;
   find_momentum(d);
   b += d.tau;
-  return false;
+  return std::nullopt;
 }
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
@@ -344,7 +345,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
 }
 
 bool solve_with_springs(Eigen::VectorXd& b, SimulationData& d) {
-  if (solve_in_batches(b, d)) return true;
+  if (const std::optional<bool> done = solve_in_batches(b, d)) return *done;
   ResistingSprings* s = d.resisting && d.resisting->springs ? &*d.resisting->springs : nullptr;
   if (!solves(b, d.wanted, d)) return false;
   if (!s) return true;

@@ -56,7 +56,7 @@ void check_not_prescribed(const Scene& scene, const SceneData& data, const char*
   check_solved(scene, data, function);
   if (!data.workspace->prescribed.empty())
     throw std::logic_error(std::string(function) +
-                           ": contacts were asked for accelerations of their own, solve without");
+                           ": the last solve prescribed accelerations of contacts, call solve first");
 }
 
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
