@@ -159,7 +159,7 @@ void reserve(const Island& island, Words& key) {
 
 }  // namespace
 
-const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island) {
+const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
   // at_hand has all shapes of the program that are in use. Data of the same scene, such as the nodes of a horizon,
   // share them, so that they stay in the processor's caches. A key has the addresses of models, which a shape keeps
   // alive.
@@ -171,7 +171,7 @@ const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const I
   if (const auto known = by_places_.find(key_); known != by_places_.end()) return known->second;
 
   auto [fresh, places] = at_hand.find(key_, [&] { return std::make_shared<IslandShape>(scene, island); });
-  if (is_deep(*fresh)) {
+  if (by_places || is_deep(*fresh)) {
     const auto& deep = shapes_.try_emplace(places, std::move(fresh)).first->second;
     return by_places_.try_emplace(places, deep).first->second;
   }

@@ -57,8 +57,10 @@ class IslandShape {
 /// share a shape if they have the same order kContactsEarly. Trees that are too deep for that order do not.
 class ShapeCache {
  public:
-  /// Returns the island's shape; allocates nothing for trees and contacts that were requested before.
-  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island);
+  /// Returns the island's shape; allocates nothing for trees and contacts that were requested before. by_places:
+  /// whether islands with different positions get separate shapes. The order contacts-early is then not computed for
+  /// comparison.
+  const std::shared_ptr<IslandShape>& find(const Scene& scene, const Island& island, bool by_places = false);
   std::size_t size() const { return shapes_.size(); }
   /// Deletes all shapes that are not in `used`.
   void keep(const std::set<const IslandShape*>& used);
