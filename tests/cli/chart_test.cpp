@@ -269,7 +269,7 @@ TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
 TEST_F(ChartOf, PythonThatFailsIsReported) {
   const Outcome outcome = run_with_python("[ \"$1\" = -c ]", words_);
   EXPECT_EQ(outcome.status, 1);
-  expect_contains(outcome.err, path("bin/python3") + " failed in ");
+  expect_contains(outcome.err, "run by " + path("bin/python3") + ", failed");
   expect_lacks(outcome.err, "not installed");
   EXPECT_GT(read_csv(path("out/chart.csv")).size(), 40u);
 }

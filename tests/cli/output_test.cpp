@@ -190,7 +190,7 @@ TEST_F(Output, FilesThatAreReadStay) {
              {"batch", outer, "--states", path("x.npy"), "--out", out}}) {
       const Outcome outcome = run(words);
       EXPECT_EQ(outcome.status, 2) << words[0];
-      expect_contains(outcome.err, "would be written over");
+      expect_contains(outcome.err, "would overwrite");
     }
   }
   EXPECT_EQ(read_text(path("arm.urdf")), arm);
@@ -211,7 +211,7 @@ TEST_F(Output, TasksToo) {
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   };
-  expect_contains(optimize({path("m"), "--json", scene}).err, "--json would be written over");
+  expect_contains(optimize({path("m"), "--json", scene}).err, "--json would overwrite");
   expect_contains(optimize({path("c/forces.svg"), "--charts", path("c")}).err, "--charts would write");
   EXPECT_EQ(read_text(scene), before);
   EXPECT_FALSE(fs::exists(path("c")));
