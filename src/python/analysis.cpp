@@ -54,7 +54,7 @@ void add_forces_on_bodies(py::module_& m) {
   def(m, "forces_on_bodies", [](const Scene& scene, const Raw& q, const Raw& v, const Data& data) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv);
     return rows_of_wrenches(data.use([&](SceneData& d) {
-      if (d.serial == 0) throw std::logic_error("forces_on_bodies: solve first");
+      if (d.serial == 0) throw std::logic_error("forces_on_bodies: there is no solution, call solve first");
       return forces_on_bodies(scene, Q, V, d.f, d.f_offset, d.wrenches);
     }));
   });

@@ -232,7 +232,7 @@ TEST(PoseStands, OrIsToldWhereTheyDoNot) {
       "<pose com='h' x='0.3' z='0.6'/>");
   EXPECT_NEAR(center(file)[0], 0.3, kSearched);
   EXPECT_NEAR(center(file)[2], 0.6, kSearched);
-  EXPECT_NE(hints(file).find("its centre of mass is 0."), std::string::npos) << hints(file);
+  EXPECT_NE(hints(file).find("the centre of mass is 0."), std::string::npos) << hints(file);
 }
 
 // The first search of an arm that must rotate by half a turn ends at limits.

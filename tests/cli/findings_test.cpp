@@ -71,8 +71,9 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
   expect_contains(said_, "at t = 0 s weld (on before) closed: the impact dissipated 3.2 J");
   (void)simulate(scene(inside, "consistent=\"true\""), {});
   EXPECT_NEAR(height(), 0, 1e-12);
-  expect_contains(
-      said_, "consistent: test (scene.xml:1): made consistent with the contacts, v most of all of b/root[2], by 1");
+  expect_contains(said_,
+                  "consistent: test (scene.xml:1): q and v were made consistent with the contacts; v changed most at "
+                  "b/root[2], by 1");
   for (const char* name : {"humanoid_standing.xml", "herd.xml"})
     EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
 }
@@ -105,7 +106,7 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   for (const char* command : {"solve", "inspect"}) {
     const std::string told = run({command, near}).out;
     if (command == std::string("solve")) expect_contains(told, "rounding errors may be larger than the solution");
-    expect_contains(told, "nearly dependent: two[0]: the other rows leave 4.8e-11 of it");
+    expect_contains(told, "nearly dependent: two[0]: only 4.8e-11 of the row is independent of the other rows");
     expect_contains(told, "row two[0] is accepted, although only 4.8e-11 of its norm is orthogonal to the rows");
     expect_contains(told, "row three[0] is rejected with");
   }
@@ -241,7 +242,7 @@ TEST_F(FindingsOfTheProgram, ContradictionsAndMasslessJoints) {
     <joint name="wrist" type="continuous"><parent link="base"/><child link="nothing"/></joint></robot>)";
   const std::string ghost = scene(R"(<robot name="g" urdf="ghost.urdf" base="fixed"/>)");
   EXPECT_EQ(solve({ghost}, 1).at("massless_joints"), json{"g/wrist"});
-  expect_contains(run({"solve", ghost}).out, "joints without inertia: g/wrist: no mass below it");
+  expect_contains(run({"solve", ghost}).out, "joints without inertia: g/wrist: there is no mass below the joint");
 }
 
 TEST_F(FindingsOfTheProgram, LargeIslandsAreNotSolvedDenselyUnasked) {
@@ -346,7 +347,7 @@ TEST_F(FindingsOfTheProgram, TorquesThatDoNotKeepAtRest) {
                                      std::to_string(q) + "' actuated='false'/></robot></scene>";
     return path(name);
   };
-  const std::string text = "no torques keep it at rest in this configuration: 1.91 N m of its load remain";
+  const std::string text = "no torques keep this coordinate at rest in this configuration: a load of 1.91 N m remains";
   const std::string gravity = cart("gravity.xml", " u='gravity'", 0.4), none = cart("none.xml", "", 0.4),
                     upright = cart("upright.xml", " u='gravity'", 0);
   expect_contains(run({"solve", gravity}).out, "rest: r/pole (gravity.xml:1): " + text);

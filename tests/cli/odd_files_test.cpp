@@ -82,19 +82,21 @@ TEST_F(OddFiles, ASingularInertiaSaysWhy) {
     return f.at("name").get<std::string>() + ": " + f.at("text").get<std::string>();
   };
   const std::string y = "type=\"continuous\"><axis xyz=\"0 1 0\"/>";
-  EXPECT_EQ(why("", y), "r/j: no mass below it");
+  EXPECT_EQ(why("", y), "r/j: there is no mass below the joint");
   EXPECT_EQ(why("<inertial><mass value=\"1\"/></inertial>", y),
-            "r/j: its bodies lack a moment of inertia about its axis");
+            "r/j: the joint's bodies lack a moment of inertia about the joint's axis");
   EXPECT_EQ(why("<inertial><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>", "type=\"prismatic\">"),
-            "r/j: its bodies lack mass");
+            "r/j: the joint's bodies lack mass");
   EXPECT_EQ(why("", y, "",
                 "<link name=\"l\">" + body(1, 1, 1) +
                     "</link><joint name=\"k\" type=\"continuous\"><parent link=\"upper\"/><child link=\"l\"/><axis "
                     "xyz=\"0 1 0\"/></joint>"),
-            "r/j: its bodies lack a moment of inertia about its axis, and the joints below it move the rest alone");
+            "r/j: the joint's bodies lack a moment of inertia about the joint's axis, and the joints below can move "
+            "all other bodies");
   // two bases
-  EXPECT_EQ(why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
-            "r/root: its bodies lack mass or a moment of inertia, and the joints below it move the rest alone");
+  EXPECT_EQ(
+      why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
+      "r/root: the joint's bodies lack mass or a moment of inertia, and the joints below can move all other bodies");
   expect_contains(run({"solve", path("scene.xml")}).out,
                   "base: r/j (odd.urdf:4): a floating joint below the floating base: two bases");
 }

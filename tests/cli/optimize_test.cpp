@@ -256,7 +256,9 @@ TEST_F(Optimize, ReportsAGuessThatIsNotAtRest) {
     const std::string out = run(words(path("task.xml"))).out;
     EXPECT_EQ(out.find("guess not at rest") == std::string::npos, stands) << out;
     if (!stands)
-      expect_contains(out, "guess not at rest: h/root[2] in phase 1: no torques keep it at rest in this configuration");
+      expect_contains(
+          out,
+          "guess not at rest: h/root[2] in phase 1: no torques keep this coordinate at rest in this configuration");
   }
 }
 

@@ -116,7 +116,7 @@ def test_what_changes_under_data_in_use(humanoid):
         (lambda f, d: mc.solve(f.scene, f.q[:, None], f.v, f.u, d), r"not an array of shape \(39, 1\)"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v, f.u * np.nan, d), r"u\[0\] is nan, a finite number is expected"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v - np.inf, f.u, d), r"v\[0\] is -inf"),
-        (lambda f, d: mc.differentiate(f.scene, d), "differentiate: solve first"),
+        (lambda f, d: mc.differentiate(f.scene, d), "differentiate: there is no solution, call solve first"),
         (lambda f, d: mc.contact_force(f.scene, d, "lft"), "'left', 'right'"),
         (lambda f, d: mc.SE3(np.ones((3, 3))), "not a rotation"),
         (lambda f, d: mc.SE3(np.ones((3, 4))), r"shape \(3, 3\) is expected, not of \(3, 4\)"),

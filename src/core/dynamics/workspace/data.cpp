@@ -47,9 +47,10 @@ void check_scene(const Scene& scene, const SceneData& data, const char* function
 
 void check_solved(const Scene& scene, const SceneData& data, const char* function, const Island* island) {
   check_scene(scene, data, function, island);
-  if (data.serial == 0) throw std::logic_error(std::string(function) + ": solve first");
+  if (data.serial == 0) throw std::logic_error(std::string(function) + ": there is no solution, call solve first");
   if (data.workspace->active != data.active)
-    throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
+    throw std::logic_error(std::string(function) +
+                           ": the active contacts changed since the last solve, call solve first");
 }
 
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function) {
