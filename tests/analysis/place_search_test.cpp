@@ -196,7 +196,7 @@ SceneFile crouching(const std::string& poses) {
 std::string hints(const SceneFile& file) {
   std::string out;
   for (const Finding& f : file.findings)
-    if (f.text.find("outside of its contacts") != std::string::npos) out += f.text;
+    if (f.text.find("outside of the robot's contacts") != std::string::npos) out += f.text;
   return out;
 }
 

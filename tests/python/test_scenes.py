@@ -158,7 +158,7 @@ def test_findings(tmp_path):
     file = mc.load_scene_text('<scene><robot name="x" urdf="arm.urdf"/></scene>', str(tmp_path / "scene.xml"))
     assert [(f.kind, f.name, f.line) for f in file.findings] == [("inertia", "x/b", 2), ("limits", "x/j", 3)]
     assert file.findings[1].file == str(urdf)
-    assert file.findings[1].text == "taken as no limit: velocity missing, lower -Inf, upper Inf"
+    assert file.findings[1].text == "<limit> has no velocity, lower -Inf, upper Inf, where the joint is taken as unlimited"
     assert "arm.urdf:2: inertia: x/b: " in repr(file.findings[0])
     assert [f.name for f in mc.urdf_findings(str(urdf))] == ["b", "j"]
     assert np.isinf(mc.load_urdf(str(urdf)).joints[0].upper[0])
