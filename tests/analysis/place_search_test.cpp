@@ -257,7 +257,7 @@ TEST(Poses, OfTheCentreOfMassAreChecked) {
   };
   EXPECT_NE(refused("<pose com='h' yaw='1'/>").find("expected only x, y, z of the centre of mass"), std::string::npos);
   EXPECT_NE(refused("<pose com='k' x='1'/>").find("there is no robot 'k'"), std::string::npos);
-  EXPECT_NE(refused("<pose com='h'/>").find("requires nothing"), std::string::npos);
+  EXPECT_NE(refused("<pose com='h'/>").find("gives no coordinate"), std::string::npos);
   EXPECT_NE(refused("<pose com='h' z='9'/><pose frame='h/left_sole' xyz='0 0 0'/>").find("is missed by"),
             std::string::npos);
 }

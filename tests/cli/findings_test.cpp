@@ -328,7 +328,7 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' names nothing in the scene");
   refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' has 'x', expected a finite number");
   refused("t,u:" + joint + "\n0\n", "bad.csv:2: the row has 1 cells, expected 2");
-  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not grow");
+  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not increase");
 }
 
 constexpr char kCart[] =

@@ -114,7 +114,7 @@ TEST_F(OddFiles, XacroAndEncodings) {
   const Outcome xacro = run({"solve", arm("", "type=\"continuous\">", "", "<xacro:leg/>")});
   EXPECT_EQ(xacro.status, 2);
   EXPECT_EQ(lines_of(xacro.err).size(), 1u);
-  expect_contains(xacro.err, path("odd.urdf") + ":5: <xacro:leg> is xacro");
+  expect_contains(xacro.err, path("odd.urdf") + ":5: <xacro:leg> is an element of xacro");
   std::ofstream(path("u.urdf")) << "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"r\"><link name=\"a\"/>"
                                    "<link name=\"b\">" +
                                        body(1, 1, 1) +
@@ -175,7 +175,7 @@ TEST_F(CsvFiles, AreRefusedByLine) {
   says("t,\"u:r/j\"x\n0,1\n", "1: cell 2 continues after its closing quote");
   says("t,u:\"r/j\"\n0,1\n", "1: cell 2 has a quote inside");
   says("\xFF\xFEt\n", "1: is UTF-16");
-  says("t,u:r/j\n0,1\n0,1\n", "3: the time does not grow");
+  says("t,u:r/j\n0,1\n0,1\n", "3: the time does not increase");
   says("t,u:r/j\n0,nan\n", "2: column 'u:r/j' has 'nan', expected a finite number");
   says("t,u:r/j\n", "1: has no rows");
   says("t,q:r/j\n0,1\n", "1: has no column of torques");

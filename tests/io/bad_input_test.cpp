@@ -256,8 +256,7 @@ TEST_F(BadInput, NamesOfNeighbours) {
            "/>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/></scene>";
   };
   for (const char* name : {"b-1", "b-007"})
-    expect_scene_error(scene_with(name), 2,
-                       "has a name that is reserved for neighbours among copies, expected a name");
+    expect_scene_error(scene_with(name), 2, "has a name that is reserved for neighbours among copies, expected a name");
   for (const char* name : {"b-1", "b-"})
     expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that is reserved for neighbours among copies");
   for (const char* name : {"a-1", "b-", "b-x", "b-1x", "-1"})
@@ -313,8 +312,8 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="h/a" to="h+1/a")", "frame 'a' of robot 'h0', which cannot move, to the world"},
       {R"(name="c" type="1d" frame="a/b" axis="1e-10 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
-      {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one of them"},
-      {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one of them"},
+      {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one copy"},
+      {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one copy"},
       {R"(name="c" type="3d" frame="h/b" to="g/b")", "of 3 copies, expected 2 as in 'frame'"},
       {R"(name="c" type="3d" frame="h/b" to="a+1/b")", "robot 'a' is not copied"},
       {R"(name="c" type="3d" frame="h/b" to="h0+1/b")", "robot 'h0' is not copied"},

@@ -186,7 +186,7 @@ TEST_F(OddUrdf, XacroIsRefused) {
   const std::string other = folder_.write(
       "other.urdf",
       "<robot name=\"r\" xmlns:x=\"http://www.ros.org/wiki/xacro\">\n<link name=\"a\"/>\n<x:leg/></robot>");
-  EXPECT_EQ(refusal(other).find("3: <x:leg> is xacro"), 0u);
+  EXPECT_EQ(refusal(other).find("3: <x:leg> is an element of xacro"), 0u);
   // output of an xacro run
   EXPECT_EQ(
       refusal(folder_.write("expanded.urdf",
@@ -257,7 +257,7 @@ TEST_F(OddUrdf, SharedReports) {
   EXPECT_EQ(kinds("floating_in_urdf/scene_gravity.xml"), "passive q/base_to_world, ");
   EXPECT_EQ(kinds("floating_in_urdf/scene_twice.xml"), "base q/base_to_world, passive q/base_to_world, ");
   EXPECT_EQ(kinds("loop_joint/scene.xml"), "unread f/close, unread f/drake:ball_constraint, unread f/t, ");
-  EXPECT_EQ(refusal(reports + "xacro/arm.urdf.xacro").find("3: <xacro:include> is xacro"), 0u);
+  EXPECT_EQ(refusal(reports + "xacro/arm.urdf.xacro").find("3: <xacro:include> is an element of xacro"), 0u);
 }
 
 }  // namespace
