@@ -339,7 +339,8 @@ TEST_F(BadInput, Contacts) {
         "<contact " +
             std::string(c.attributes) + "/></scene>",
         5, c.says);
-  expect_scene_error("<scene>\n<contact name=\"c\" type=\"3d\" frame=\"a/b\"/></scene>", 2, "there are none");
+  expect_scene_error("<scene>\n<contact name=\"c\" type=\"3d\" frame=\"a/b\"/></scene>", 2,
+                     "there are no names to choose from");
 }
 
 // ---- URDF

@@ -237,7 +237,7 @@ def test_what_does_not_fit(scene):
     model = scene.robots["r1"].model
     for call, says in [
         (lambda: mc.rnea(scene, q, v[1:], a), "v has"),
-        (lambda: mc.rnea(model, q[:7], v[:7], a[:7], data), "the data are of other robots"),
+        (lambda: mc.rnea(model, q[:7], v[:7], a[:7], data), "the data belong to other robots"),
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 6))), "fext has 2 forces"),
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 5))), "shape"),
         (lambda: mc.frame_velocity(scene, data, "r0/lft_hand"), "left_hand"),

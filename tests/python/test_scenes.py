@@ -112,7 +112,7 @@ def test_what_changes_under_data_in_use(humanoid):
 @pytest.mark.parametrize(
     "bad, text",
     [
-        (lambda f, d: mc.solve(f.scene, f.q[:3], f.v, f.u, d), "solve: q has 3 numbers, the scene expects 39"),
+        (lambda f, d: mc.solve(f.scene, f.q[:3], f.v, f.u, d), "solve: q has 3 numbers, expected 39"),
         (lambda f, d: mc.solve(f.scene, f.q[:, None], f.v, f.u, d), r"not an array of shape \(39, 1\)"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v, f.u * np.nan, d), r"u\[0\] is nan, a finite number is expected"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v - np.inf, f.u, d), r"v\[0\] is -inf"),

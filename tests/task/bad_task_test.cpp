@@ -162,7 +162,8 @@ TEST_F(BadTask, EveryTermIsMade) {
 }
 
 TEST_F(BadTask, ExternalWrenches) {
-  bad_term(R"(<push name="wind" force="1 0 0"/>)", "there is no external wrench 'wind' in the scene, there are none");
+  bad_term(R"(<push name="wind" force="1 0 0"/>)",
+           "there is no external wrench 'wind' in the scene, since there are no names to choose from");
   bad_term(R"(<push force="1 0 0"/>)", "<push> has no attribute 'name'");
   refused(write(head() + "\n<phase nodes=\"3\" contacts=\"\"/>\n<terminal>\n<push name=\"x\"/></terminal></task>"), 4,
           "<push>");
