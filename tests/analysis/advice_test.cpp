@@ -123,7 +123,7 @@ TEST(Advice, OnBodiesThatNothingMoves) {
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating" copies="5"/></scene>)")};
   EXPECT_TRUE(says(s.bodies, "idle: fixed to the world, at rest and without contact")) << all(s.bodies);
-  EXPECT_TRUE(says(s.bodies, "box0 .. box4: floats freely, without contact")) << all(s.bodies);
+  EXPECT_TRUE(says(s.bodies, "box0 .. box4: the robot floats freely, without contact")) << all(s.bodies);
   EXPECT_FALSE(says(s.bodies, "busy: fixed")) << all(s.bodies);
 }
 

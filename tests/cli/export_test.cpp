@@ -267,7 +267,7 @@ TEST_F(Export, RefusesBadInput) {
   EXPECT_EQ(refused({"export", file, "--out", path("file")}, "file:1: cannot be created as a folder"), 1u);
   const std::string own = scene("<robot name=\"a\" urdf=\"box.urdf\" base=\"floating\"/>");
   fs::rename(own, path("README.md"));
-  refused({"export", path("README.md"), "--out", path("")}, "--out would write");
+  refused({"export", path("README.md"), "--out", path("")}, "--out would overwrite");
   EXPECT_TRUE(read_text(path("README.md")).starts_with("<scene"));
 }
 

@@ -314,7 +314,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
       {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one copy"},
       {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one copy"},
-      {R"(name="c" type="3d" frame="h/b" to="g/b")", "of 3 copies, expected 2 as in 'frame'"},
+      {R"(name="c" type="3d" frame="h/b" to="g/b")", "on 3 copies, expected 2 copies as in 'frame'"},
       {R"(name="c" type="3d" frame="h/b" to="a+1/b")", "robot 'a' is not copied"},
       {R"(name="c" type="3d" frame="h/b" to="h0+1/b")", "robot 'h0' is not copied"},
       {R"(name="c" type="3d" frame="h/b" to="h+x/b")", "there is no robot 'h+x'"},

@@ -32,7 +32,7 @@ bool one_file(const std::string& a, const std::string& b) {
 std::string scene_operand(const Arguments& arguments, const std::string& name) {
   if (arguments.rest().empty()) throw UsageError(name + " is missing");
   if (arguments.rest().size() > 1)
-    throw UsageError("'" + arguments.rest()[1] + "' is a second " + name + ", exactly one is expected");
+    throw UsageError("'" + arguments.rest()[1] + "' is a second " + name + ", exactly one " + name + " is expected");
   return arguments.rest()[0];
 }
 
@@ -70,8 +70,7 @@ void check_folder(const std::string& option, const std::string& folder, const st
     const std::string file = (fs::path(folder) / name).string();
     for (const std::string& other : others)
       if (one_file(file, other))
-        throw UsageError(option + " would overwrite the input '" + other + "' with '" + file +
-                         "': choose another folder");
+        throw UsageError(option + " would overwrite '" + other + "' with '" + file + "': choose another folder");
   }
 }
 
