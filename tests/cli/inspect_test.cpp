@@ -207,9 +207,9 @@ TEST_F(Inspect, IdleRobotsAndJoints) {
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating"/>)",
                                         "gravity=\"0 0 0\""));
-  expect_contains(out, "idle: fixed to the world, at rest and without contact");
+  expect_contains(out, "idle: the robot is fixed to the world, at rest and without contact");
   expect_contains(out, "box: the robot floats freely, without contact");
-  expect_lacks(out, "busy: fixed to the world");
+  expect_lacks(out, "busy: the robot is fixed to the world");
   expect_contains(inspect(model("feet_on_corners.xml")), "20 joints could be locked");
 }
 
