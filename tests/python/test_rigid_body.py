@@ -346,8 +346,8 @@ def test_place():
     assert not far.met() and far.left[2].position > 1 and far.left[0].position < far.left[2].position
     assert mc.limits_passed(scene, far.q, np.zeros(scene.nv), np.zeros(scene.nu)) == []
     for call, says in [
-        (lambda: mc.pose_goal(scene, "left_sole", mc.SE3(), position=(0, 0, 0)), "one or the other"),
-        (lambda: mc.pose_goal(scene, "left_sole", position=(0, 0)), "three numbers"),
+        (lambda: mc.pose_goal(scene, "left_sole", mc.SE3(), position=(0, 0, 0)), "either placement, or position"),
+        (lambda: mc.pose_goal(scene, "left_sole", position=(0, 0)), "three entries"),
         (lambda: mc.place(scene, mc.neutral(scene), [mc.joint_goal(scene, "root", 0)]), "several coordinates"),
     ]:
         with pytest.raises(ValueError) as error:

@@ -54,7 +54,7 @@ def description_path(name: str) -> str:
             f"use: {type(error).__name__}: {error}"
         ) from error
     if not hasattr(description, "URDF_PATH"):
-        other = f"only a xacro file, {description.XACRO_PATH}: expand it" if hasattr(description, "XACRO_PATH") else "only another format"
+        other = f"only a xacro file, {description.XACRO_PATH}: expand the file with xacro" if hasattr(description, "XACRO_PATH") else "only a file of another format"
         raise InputError(f"load_description: robot_descriptions has no URDF of '{short}', {other}")
     _find_meshes(description)
     return str(description.URDF_PATH)
