@@ -99,7 +99,7 @@ py::object pack(const T& x) {
   } else if constexpr (std::is_aggregate_v<T>) {
     return std::apply([](const auto&... member) -> py::object { return py::make_tuple(pack(member)...); }, members(x));
   } else {
-    throw py::type_error("it has a member that cannot be pickled");
+    throw py::type_error("the object has a member that cannot be pickled");
   }
 }
 
@@ -147,7 +147,7 @@ void unpack(py::handle from, T& x) {
     (std::make_index_sequence<n>());
     if constexpr (std::is_same_v<T, Model>) finalize(x);
   } else {
-    throw py::type_error("it has a member that cannot be pickled");
+    throw py::type_error("the object has a member that cannot be pickled");
   }
 }
 

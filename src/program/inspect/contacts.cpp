@@ -76,8 +76,8 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   }
   if (table.empty()) return;
   out << "\n"
-         "Contacts: frame A is constrained to B'. Gains are alpha [1/s^2] and beta [1/s], errors those of the\n"
-         "placement of A and of the velocity. For copies the first contact and the largest errors are shown\n";
+         "Contacts: frame A is constrained to B'; gains: alpha [1/s^2] and beta [1/s]; off by: placement and\n"
+         "velocity error of A. For copies the first contact and the largest errors are shown\n";
   table.print(out);
 }
 

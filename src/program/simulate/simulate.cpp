@@ -213,7 +213,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   if (sim.pd.kp.size() > 0 && (sim.pd.kp[i] > 0 || sim.pd.kd[i] > 0)) by.push_back("PD law");
   std::string list;
   for (std::size_t k = 0; k < by.size(); ++k) list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
-  return "joint " + velocity_names(scene)[i] + ", by its " + list + ",";
+  return "joint " + velocity_names(scene)[i] + ", because of its " + list + ",";
 }
 
 // Returns advice if the step h is too long for the spring or joint in `shortest`, otherwise "".

@@ -46,7 +46,7 @@ void print_wrenches(std::ostream& out, const Scene& scene, const At& at) {
 
 void print_springs(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.springs.empty()) return;
-  out << "\nSprings: ends [m], length and length at rest [m], force [N], positive if the ends are pulled together\n";
+  out << "\nSprings: ends [m], length and length at rest [m], force [N] (positive: pulls the ends together)\n";
   Table table("spring<|on<|at|to<|at|length|at rest|force", kMostListed);
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];

@@ -43,7 +43,7 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(std::shared_ptr<Dif
 
 void IntegratedActionModelAbstract::set_dt(double dt) {
   require(dt >= 0 && std::isfinite(dt), kIntegratedActionModel,
-          "a time step of " + std::to_string(dt) + " s was given, a finite one that is not negative is expected");
+          "a time step of " + std::to_string(dt) + " s was given, a finite time step that is not negative is expected");
   time_step_ = dt;
   time_step2_ = dt * dt;
 }

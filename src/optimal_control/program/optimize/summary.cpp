@@ -23,8 +23,8 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
 
 void print_simulation(std::ostream& out, const SimulatedMotion& s) {
   out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
-      << scientific(s.violation_position) << " m or rad at most, and the state differs by " << number(s.distance)
-      << " from the planned state";
+      << scientific(s.violation_position) << " m or rad at most, the state deviates by " << number(s.distance)
+      << " from the plan";
   if (s.energy_lost > 0) out << "; impacts dissipate " << number(s.energy_lost) << " J";
   out << "\n";
 }
