@@ -83,7 +83,8 @@ def who_wins(chart):
     best, with_derivatives = winner(chart, 0), winner(chart, 2)
     if not best:
         return f"No method is as accurate as allowed ({scientific(chart['allowed'])})."
-    text = f"The fastest accurate method is {name_of(best)}: {number(best['time_us'])} us, error of accelerations {scientific(best['error_acceleration'])}"
+    text = f"The fastest accurate method is {name_of(best)}: {number(best['time_us'])} us, "
+    text += f"error of accelerations {scientific(best['error_acceleration'])}"
     if with_derivatives:
         text += f"; with derivatives {name_of(with_derivatives)}: {number(time_of(with_derivatives, 2))} us"
     for row in chart["rows"]:
@@ -96,10 +97,12 @@ def where_auto_lies(chart):
     mine, best, with_derivatives = auto_of(chart), winner(chart, 0), winner(chart, 2)
     if not mine or not answered(mine) or not best:
         return "The method auto has no solution that can be compared."
-    text = f"auto ({mine['answered_by']}) takes {number(mine['time_us'])} us, {number(mine['time_us'] / best['time_us'])} times the time of the fastest accurate method"
+    text = f"auto ({mine['answered_by']}) takes {number(mine['time_us'])} us, "
+    text += f"{number(mine['time_us'] / best['time_us'])} times the time of the fastest accurate method"
     text += f", and is {'' if mine['front'] else 'not '}on the front"
     if with_derivatives and mine["time_derivatives_us"] is not None:
-        text += f"; with derivatives auto takes {number(time_of(mine, 2) / time_of(with_derivatives, 2))} times the time of the fastest"
+        text += f"; with derivatives auto takes {number(time_of(mine, 2) / time_of(with_derivatives, 2))} times the time "
+        text += "of the fastest"
     return text + "."
 
 
