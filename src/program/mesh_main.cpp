@@ -59,14 +59,14 @@ int main(int argc, char** argv) {
   std::string format = std::filesystem::path(argv[1]).extension().string();
   std::transform(format.begin(), format.end(), format.begin(), [](unsigned char c) { return std::tolower(c); });
   if (format != ".dae" && format != ".obj" && format != ".stl")
-    return refuse("is no mesh that can be read, expected .dae, .obj or .stl");
+    return refuse("is no mesh that can be read, expected a file .dae, .obj or .stl");
 
   // Nodes place the meshes, in metres according to <unit>. The file's <up_axis> is ignored, as in rviz.
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   const aiScene* scene = importer.ReadFile(argv[1], 0);
   if (scene && std::none_of(scene->mMeshes, scene->mMeshes + scene->mNumMeshes, [](auto* m) { return m->HasFaces(); }))
-    return refuse("has no triangles, expected some");
+    return refuse("has no triangles, expected at least one triangle");
   if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (!scene) return refuse(std::string("cannot be read, expected a mesh; assimp: ") + importer.GetErrorString());
   for (unsigned k = 0; k < scene->mNumMeshes; ++k) write(*scene->mMeshes[k]);

@@ -38,7 +38,8 @@ void add_violations(py::module_& m) {
   def(m, "violations", [](const Scene& scene, const Raw& q, const Data& data) {
     const auto Q = checked("q", q, scene.nq);
     const SceneData& d = data.at_rest();
-    if (d.f_offset.size() != scene.contacts.size()) throw py::value_error("violations: the data are of another scene");
+    if (d.f_offset.size() != scene.contacts.size())
+      throw py::value_error("violations: the data belong to another scene");
     return violations(scene, Q, d.f, d.f_offset);
   });
   enumeration<LimitKind>(m);
@@ -54,7 +55,7 @@ void add_forces_on_bodies(py::module_& m) {
   def(m, "forces_on_bodies", [](const Scene& scene, const Raw& q, const Raw& v, const Data& data) {
     const auto Q = checked("q", q, scene.nq), V = checked("v", v, scene.nv);
     return rows_of_wrenches(data.use([&](SceneData& d) {
-      if (d.serial == 0) throw std::logic_error("forces_on_bodies: solve first");
+      if (d.serial == 0) throw std::logic_error("forces_on_bodies: there is no solution, call solve first");
       return forces_on_bodies(scene, Q, V, d.f, d.f_offset, d.wrenches);
     }));
   });
@@ -102,7 +103,8 @@ void add_near_dependent(py::module_& m) {
             &RankGap::gap>();
   def(m, "rank_gap", [](const Scene& scene, const Data& data, std::size_t island) {
     return data.use([&](SceneData& d) {
-      if (island >= d.report.islands.size()) throw py::value_error("rank_gap: there is no such island");
+      if (island >= d.report.islands.size())
+        throw py::value_error("rank_gap: there is no island " + std::to_string(island));
       return rank_gap(scene, d, island);
     });
   });

@@ -52,7 +52,7 @@ void run_batch(const BatchData& batch, Eigen::Index states, Work&& work) {
   struct Turn {
     explicit Turn(const BatchData* b) : batch(b) {
       if (!in_use.insert(b).second)
-        throw py::value_error("the batch is in use by another thread: each thread needs BatchData of its own");
+        throw py::value_error("the batch is in use by another thread: use separate BatchData in each thread");
     }
     ~Turn() { in_use.erase(batch); }
     const BatchData* batch;

@@ -58,7 +58,7 @@ class Data {
     State& state;
   };
   [[noreturn]] static void throw_busy() {
-    throw py::value_error("the data are in use by another thread: each thread needs SceneData of its own");
+    throw py::value_error("the data are in use by another thread: use separate SceneData in each thread");
   }
   void let_go_of_panels() const;
 

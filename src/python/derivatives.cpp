@@ -42,7 +42,8 @@ struct IslandBlocks {
   std::size_t island;
   const IslandDerivatives& get() const {
     const DerivativeData& d = derivatives(data->at_rest());
-    if (island >= d.islands.size()) throw py::value_error("derivatives of an island: there is no such island any more");
+    if (island >= d.islands.size())
+      throw py::value_error("derivatives of an island: the island no longer exists, get the derivatives again");
     return d.islands[island];
   }
 };
@@ -60,7 +61,8 @@ auto block_property(Block (IslandDerivatives::*block)() const) {
 Eigen::SparseMatrix<double> joined_kkt_matrix(const Scene& scene, const SceneData& d, int island) {
   const auto count = static_cast<int>(island_count(d));
   if (island < -1 || island >= count)
-    throw py::value_error("kkt_matrix: there is no island " + std::to_string(island) + " of " + std::to_string(count));
+    throw py::value_error("kkt_matrix: there is no island " + std::to_string(island) + ", the scene has " +
+                          std::to_string(count) + " islands");
   std::vector<Eigen::Triplet<double>> entries;
   int size = 0;
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {

@@ -132,7 +132,8 @@ void add_views(py::module_& m) {
       .read<&Island::robots, &Island::contacts, &Island::dof_offset, &Island::row_offset, &Island::nv, &Island::nc>();
   def(m, "island_count", [](const Data& data) { return island_count(data.at_rest()); });
   def(m, "solved_island", [](const Data& data, std::size_t i) {
-    if (i >= island_count(data.at_rest())) throw py::value_error("solved_island: there is no such island");
+    if (i >= island_count(data.at_rest()))
+      throw py::value_error("solved_island: there is no island " + std::to_string(i));
     return solved_island(data.at_rest(), i);
   });
   def(m, "update_kinematics", [](const Scene& scene, const Vector& q, const Vector& v, const Data& data) {

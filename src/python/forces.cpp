@@ -42,7 +42,8 @@ Items<Handle<T>> items_of(const std::shared_ptr<Scene>& scene, std::vector<T> Sc
                      [scene, list, add, what, k](T item) {
                        T& now = ((*scene).*list).at(k);
                        if (item.name != now.name)
-                         throw py::value_error(std::string(what) + " '" + now.name + "' of a scene keeps its name");
+                         throw py::value_error("the name of " + std::string(what) + " '" + now.name +
+                                               "' of a scene cannot be changed");
                        now = judged(*scene, std::move(item), list, add);
                      });
   };
@@ -64,7 +65,7 @@ Items<Handle<Contact>> contacts_of(const std::shared_ptr<Scene>& scene) {
   return items_of(scene, &Scene::contacts, &Scene::contact_index, &add_contact, "contact");
 }
 Items<Handle<ExternalWrench>> wrenches_of(const std::shared_ptr<Scene>& scene) {
-  return items_of(scene, &Scene::wrenches, &Scene::wrench_index, &add_external_wrench, "push");
+  return items_of(scene, &Scene::wrenches, &Scene::wrench_index, &add_external_wrench, "external wrench");
 }
 Items<Handle<Spring>> springs_of(const std::shared_ptr<Scene>& scene) {
   return items_of(scene, &Scene::springs, &Scene::spring_index, &add_spring, "spring");
@@ -78,7 +79,8 @@ py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner) {
 
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w) {
   const Doubles x = checked_doubles(values, 2, static_cast<Eigen::Index>(w.size()), 6);
-  if (!x) throw py::type_error(std::string(name) + ": a matrix of numbers is expected, a wrench (6) per push");
+  if (!x)
+    throw py::type_error(std::string(name) + ": a matrix of numbers is expected, six numbers for each external wrench");
   check_numbers(name, x.data(), x.size());
   for (std::size_t k = 0; k < w.size(); ++k) w[k] = Eigen::Map<const Vec6<double>>(x.data() + 6 * k);
 }

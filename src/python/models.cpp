@@ -91,7 +91,8 @@ Eigen::VectorXd per(const char* name, const OneOrMany& given, Eigen::Index count
   const Eigen::VectorXd x =
       given.index() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Constant(count, std::get<0>(given))) : std::get<1>(given);
   if (x.size() != count || !x.allFinite())
-    throw py::value_error(std::string(name) + ": one finite number is expected, or " + std::to_string(count));
+    throw py::value_error(std::string(name) + ": one finite number or " + std::to_string(count) +
+                          " finite numbers are expected");
   return x;
 }
 
@@ -126,7 +127,7 @@ std::shared_ptr<Model> varied(const Model& of, const OneOrMany& mass, const OneO
     if (!given) return;
     (*out).*member = per_velocity(name, *given, of);
     if (!(((*out).*member).array() >= 0).all())
-      throw py::value_error(std::string(name) + ": no negative one is expected");
+      throw py::value_error(std::string(name) + ": numbers of 0 or more are expected");
   };
   set("armature", armature, &Model::armature);
   set("damping", damping, &Model::damping);
@@ -156,20 +157,21 @@ void add_robot_models(py::module_& m) {
 
   // Reads names from any iterable, such as a list or a set, but refuses a single string.
   const auto names = [](const char* what, const py::iterable& given) {
-    if (py::isinstance<py::str>(given)) throw py::type_error(std::string("load_urdf: ") + what + " is a list of names");
+    if (py::isinstance<py::str>(given))
+      throw py::type_error(std::string("load_urdf: ") + what + " is a string, a list of names is expected");
     std::set<std::string> out;
     for (const py::handle name : given) out.insert(name.cast<std::string>());
     return out;
   };
   def(m, "load_urdf",
       [names](const std::string& path, bool floating_base, double armature,
-         const std::map<std::string, std::vector<double>>& joint_armature, const std::map<std::string, double>& locked,
-         bool refuse_mimic, const py::iterable& passive, bool model_dynamics, bool refuse_inertia,
-         const py::iterable& actuated, const std::map<std::string, double>& joint_damping,
-         const std::string& root) {
+              const std::map<std::string, std::vector<double>>& joint_armature,
+              const std::map<std::string, double>& locked, bool refuse_mimic, const py::iterable& passive,
+              bool model_dynamics, bool refuse_inertia, const py::iterable& actuated,
+              const std::map<std::string, double>& joint_damping, const std::string& root) {
         return std::make_shared<Model>(
-            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, names("passive", passive), model_dynamics,
-                             refuse_inertia, names("actuated", actuated), joint_damping, root}));
+            load_urdf(path, {floating_base, armature, joint_armature, locked, refuse_mimic, names("passive", passive),
+                             model_dynamics, refuse_inertia, names("actuated", actuated), joint_damping, root}));
       });
   def(m, "urdf_findings", [](const std::string& path, bool floating_base) {
     std::vector<Finding> findings;

@@ -17,7 +17,7 @@ std::shared_ptr<void> keep(py::handle object) {
 
 int checked_threads(int threads) {
   constexpr int kMost = 1024;
-  if (threads > kMost) throw py::value_error("at most " + std::to_string(kMost) + " threads are started");
+  if (threads > kMost) throw py::value_error("threads is too large, at most " + std::to_string(kMost) + " is expected");
   return threads;
 }
 

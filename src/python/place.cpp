@@ -11,7 +11,7 @@ using Given = std::optional<std::vector<std::optional<double>>>;
 Partial partial(const char* name, const Given& given) {
   if (!given) return {};
   if (given->size() != 3)
-    throw py::value_error(std::string(name) + ": three numbers are expected, None for what is left open");
+    throw py::value_error(std::string(name) + ": three entries are expected, numbers or None for free coordinates");
   return {(*given)[0], (*given)[1], (*given)[2]};
 }
 
@@ -25,7 +25,8 @@ void add_goals(py::module_& m) {
          const Given& rpy, double weight) {
         if (placement && (position || rpy))
           throw py::value_error(
-              "pose_goal: placement is given together with position or rpy, expected one or the other");
+              "pose_goal: placement is given together with position or rpy, expected either placement, or position and "
+              "rpy");
         const Attachment at = frame_in(scene, frame);
         return placement ? pose_goal(at, *placement, weight)
                          : pose_goal(at, partial("position", position), partial("rpy", rpy), weight);

@@ -42,7 +42,7 @@ void take_model(Scene& scene, std::size_t number, const std::shared_ptr<const Mo
   const std::shared_ptr<const Model> old = scene.robots.at(number).model;
   if (model == old) return;
   if (!model || model->structure != old->structure)
-    throw py::value_error("model: one of the same joints is expected, as Model.varied makes it");
+    throw py::value_error("model: a model with the same joints is expected, such as Model.varied makes");
   const auto follow = [&](Attachment& at) {
     if (at.robot != static_cast<int>(number)) return;
     const int from = old->find_frame(at.frame), to = model->find_frame(at.frame);

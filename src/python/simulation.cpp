@@ -158,7 +158,7 @@ void add_step_functions(py::module_& m) {
     });
   });
   def(m, "failure", [](const Scene& scene, const Simulation& simulation, StepStatus status) {
-    if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data are of another scene");
+    if (simulation.at_rest().v.size() != scene.nv) throw py::value_error("failure: the data belong to another scene");
     return failure(scene, simulation.at_rest(), status);
   });
 }
@@ -170,7 +170,9 @@ struct Many {
   template <class Use>
   auto use(Use&& act) {
     const std::unique_lock turn(*busy, std::try_to_lock);
-    if (!turn) throw py::value_error("SimulationBatch: another thread steps it");
+    if (!turn)
+      throw py::value_error(
+          "SimulationBatch: the batch is in use by another thread: use a separate batch in each thread");
     return act(batch);
   }
 };
@@ -242,7 +244,8 @@ void add_invariants(py::module_& m) {
             &Invariants::potential, &Invariants::energy, &Invariants::momentum>();
   def(m, "invariants", [](const Scene& scene, const std::vector<bool>& active, const Vector& q, const Vector& v) {
     if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
-      throw py::value_error("invariants: active, q or v do not fit the scene");
+      throw py::value_error(
+          "invariants: active, q or v has a wrong size, a flag per contact, nq and nv numbers are expected");
     expect_configuration("invariants", "q", q, scene);
     InvariantsData data(scene);
     return invariants(scene, std::vector<char>(active.begin(), active.end()), q, v, data);

@@ -59,7 +59,7 @@ const Text& text_of(const std::string& key) {
 void expect_all_texts_taken() {
   for (const Text& text : texts())
     if (!taken.contains(text.key))
-      throw std::logic_error(std::string("docs/*.txt describe ") + text.key + ", which is not there");
+      throw std::logic_error(std::string("docs/*.txt describe ") + text.key + ", which does not exist");
 }
 
 std::string name_in(const char* function) {

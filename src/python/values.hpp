@@ -64,7 +64,7 @@ bool equal(const T& a, const T& b) {
   } else if constexpr (std::equality_comparable<T>) {
     return a == b;
   } else {
-    throw py::type_error("a member that cannot be compared");
+    throw py::type_error("the objects have a member that cannot be compared");
   }
 }
 
@@ -99,7 +99,7 @@ py::object pack(const T& x) {
   } else if constexpr (std::is_aggregate_v<T>) {
     return std::apply([](const auto&... member) -> py::object { return py::make_tuple(pack(member)...); }, members(x));
   } else {
-    throw py::type_error("it has a member that cannot be pickled");
+    throw py::type_error("the object has a member that cannot be pickled");
   }
 }
 
@@ -114,7 +114,7 @@ void unpack(py::handle from, T& x) {
   } else if constexpr (is_matrix<T>) {
     const auto a = py::array_t<double, py::array::f_style>::ensure(from);
     if (!a || a.ndim() != (T::IsVectorAtCompileTime ? 1 : 2))
-      throw py::value_error("pickle: another array is expected");
+      throw py::value_error("pickle: an array has a wrong number of dimensions");
     x = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>>(a.data(), a.shape(0),
                                                                                 a.ndim() == 2 ? a.shape(1) : 1);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
@@ -142,12 +142,12 @@ void unpack(py::handle from, T& x) {
     auto to = members(x);
     constexpr std::size_t n = std::tuple_size_v<decltype(to)>;
     const auto state = from.cast<py::tuple>();
-    if (state.size() != n) throw py::value_error("pickle: written by another version of manycontact");
+    if (state.size() != n) throw py::value_error("pickle: the object was written by another version of manycontact");
     [&]<std::size_t... I>(std::index_sequence<I...>) { (unpack(state[I], std::get<I>(to)), ...); }
     (std::make_index_sequence<n>());
     if constexpr (std::is_same_v<T, Model>) finalize(x);
   } else {
-    throw py::type_error("it has a member that cannot be pickled");
+    throw py::type_error("the object has a member that cannot be pickled");
   }
 }
 

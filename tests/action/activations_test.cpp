@@ -178,7 +178,7 @@ TEST(Activations, MisuseIsRefused) {
   EXPECT_EQ(refusal([] {
               ActivationBounds(vector({0, 0}), vector({1}));
             }),
-            "ActivationBounds: ub has 1 numbers, 2 expected");
+            "ActivationBounds: ub has 1 numbers, expected 2");
   EXPECT_NE(refusal([] { ActivationBounds(vector({2}), vector({1})); }), "");
   EXPECT_NE(refusal([] { ActivationBounds(vector({std::nan("")}), vector({1})); }), "");
   EXPECT_NE(refusal([] { ActivationBounds(vector({inf}), vector({inf})); }), "");
@@ -197,7 +197,7 @@ TEST(Activations, MisuseIsRefused) {
     const auto data = c.model->createData();
     EXPECT_NE(refusal([&] {
                 c.model->calc(data, vector({1, 2}));
-              }).find("r has 2 numbers, 5 expected"),
+              }).find("r has 2 numbers, expected 5"),
               std::string::npos);
     EXPECT_NE(refusal([&] { c.model->calcDiff(data, vector({1, 2})); }).find("r has 2 numbers"), std::string::npos);
   }

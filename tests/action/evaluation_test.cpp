@@ -118,7 +118,7 @@ TEST(ActionApi, CalcDiffNeedsItsCalc) {
     } catch (const std::invalid_argument& e) {
       ADD_FAILURE() << e.what();
     } catch (const std::logic_error& e) {
-      EXPECT_NE(std::string(e.what()).find(std::string("; ") + expected + " is expected before it"), std::string::npos)
+      EXPECT_NE(std::string(e.what()).find(std::string("; call ") + expected + " before calcDiff"), std::string::npos)
           << e.what();
     }
   };

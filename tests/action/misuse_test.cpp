@@ -43,7 +43,7 @@ TEST_F(Misuse, SizesOfTheState) {
   const std::size_t nx = w.state->get_nx();
   for (std::size_t given : {std::size_t(0), nx - 1, nx + 1, w.state->get_ndx()}) {
     const Eigen::VectorXd x = Eigen::VectorXd::Zero(given);
-    const std::string what = "x has " + n(given) + " numbers, " + n(nx) + " expected";
+    const std::string what = "x has " + n(given) + " numbers, expected " + n(nx);
     EXPECT_INVALID(model->calc(data, x, u), "::calc", what);
     EXPECT_INVALID(model->calc(data, x), "::calc", what);
     EXPECT_INVALID(model->quasiStatic(data, u, x), "::quasiStatic", what);
@@ -64,7 +64,7 @@ TEST_F(Misuse, SizesOfTheState) {
 TEST_F(Misuse, SizesOfTheControl) {
   for (std::size_t given : {std::size_t(0), w.nu - 1, w.nu + 1, w.state->get_nv()}) {
     Eigen::VectorXd other = Eigen::VectorXd::Zero(given);
-    const std::string what = "u has " + n(given) + " numbers, " + n(w.nu) + " expected";
+    const std::string what = "u has " + n(given) + " numbers, expected " + n(w.nu);
     EXPECT_INVALID(model->calc(data, w.x, other), "::calc", what);
     EXPECT_INVALID(model->quasiStatic(data, other, w.x_rest), "::quasiStatic", what);
     model->calc(data, w.x, u);
@@ -79,8 +79,8 @@ TEST_F(Misuse, SizesInSetters) {
   const Eigen::VectorXd two = Eigen::Vector2d::Zero();
   EXPECT_INVALID(model->set_u_lb(two), "u_lb has 2 numbers, " + n(w.nu));
   EXPECT_INVALID(model->set_u_ub(two), "u_ub has 2 numbers, " + n(w.nu));
-  EXPECT_INVALID(model->set_g_lb(two), "g_lb has 2 numbers, 3 expected");
-  EXPECT_INVALID(model->set_g_ub(two), "g_ub has 2 numbers, 3 expected");
+  EXPECT_INVALID(model->set_g_lb(two), "g_lb has 2 numbers, expected 3");
+  EXPECT_INVALID(model->set_g_ub(two), "g_ub has 2 numbers, expected 3");
   EXPECT_INVALID(model->set_armature(two), "armature has 2 numbers, " + n(w.state->get_nv()));
   EXPECT_INVALID(w.state->set_lb(two), "lb has 2 numbers, " + n(w.state->get_nx()));
   EXPECT_INVALID(ResidualModelState(w.state, two, w.nu), "2 numbers, " + n(w.state->get_nx()));
@@ -106,7 +106,7 @@ TEST_F(Misuse, DataOfAnotherModel) {
   const auto other = w.model();
   const DataPtr base = std::make_shared<DifferentialActionDataAbstract>(model.get());
   for (const DataPtr& wrong : {other->createData(), base, DifferentialActionModelNumDiff(model).createData()}) {
-    const std::string what = "created by another model, data of this one's createData() are expected";
+    const std::string what = "created by another model, data of this model's createData() are expected";
     EXPECT_INVALID(model->calc(wrong, w.x, u), "::calc", what);
     EXPECT_INVALID(model->calc(wrong, w.x), "::calc", what);
     EXPECT_INVALID(model->calcDiff(wrong, w.x, u), "::calcDiff", what);
@@ -208,12 +208,12 @@ TEST_F(Misuse, NullState) {
 
 TEST_F(Misuse, PartsOfAnotherState) {
   const Walker o;
-  const std::string what = "of another state, this one's is expected",
-                    one = "belongs to another state, this one's is expected";
-  EXPECT_INVALID(ActionModel(w.state, o.actuation, w.contacts, w.costs), "an actuation " + what);
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, o.contacts, w.costs), "contacts " + what);
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, o.costs), "costs " + what);
-  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, w.costs, o.constraints), "constraints " + what);
+  const std::string what = " differs from the model's state", one = "belongs to another state, the ";
+  EXPECT_INVALID(ActionModel(w.state, o.actuation, w.contacts, w.costs), "the state of the actuation" + what);
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, o.contacts, w.costs), "the state of the contacts" + what);
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, o.costs), "the state of the costs" + what);
+  EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, w.costs, o.constraints),
+                 "the state of the constraints" + what);
   EXPECT_INVALID(w.contacts->addContact("c", o.left_contact), "\"c\" " + one);
   const auto residual = std::make_shared<ResidualModelControl>(o.state, o.nu);
   EXPECT_INVALID(w.costs->addCost("c", std::make_shared<CostModelResidual>(o.state, residual), 1), "\"c\" " + one);
@@ -223,15 +223,15 @@ TEST_F(Misuse, PartsOfAnotherState) {
 }
 
 TEST_F(Misuse, PartsOfAnotherNu) {
-  const std::string expected = "the actuation's " + n(w.nu) + " is expected", given = "of nu = 5";
+  const std::string expected = "the actuation's nu = " + n(w.nu) + " is expected", given = " is 5";
   EXPECT_INVALID(ActionModel(w.state, w.actuation, std::make_shared<ContactModelMultiple>(w.state, 5), w.costs),
-                 "contacts " + given, expected);
+                 "nu of the contacts" + given, expected);
   EXPECT_INVALID(ActionModel(w.state, w.actuation, w.contacts, std::make_shared<CostModelSum>(w.state, 5)),
-                 "costs " + given, expected);
+                 "nu of the costs" + given, expected);
   EXPECT_INVALID(
       ActionModel(w.state, w.actuation, w.contacts, w.costs, std::make_shared<ConstraintModelManager>(w.state, 5)),
-      "constraints " + given, expected);
-  const std::string has = "\"c\" has nu = 5, " + n(w.nu) + " is expected";
+      "nu of the constraints" + given, expected);
+  const std::string has = "\"c\" has nu = 5, nu = " + n(w.nu) + " is expected";
   EXPECT_INVALID(w.contacts->addContact("c", std::make_shared<ContactModel6D>(w.state, w.left, w.left_pref, 5)), has);
   const auto residual = std::make_shared<ResidualModelControl>(w.state, 5);
   EXPECT_INVALID(w.costs->addCost("c", std::make_shared<CostModelResidual>(w.state, residual), 1), has);
@@ -242,21 +242,21 @@ TEST_F(Misuse, PartsOfAnotherNu) {
 }
 
 TEST_F(Misuse, Names) {
-  EXPECT_INVALID(w.contacts->addContact("left", w.left_contact), "\"left\" is there already, a new name is expected");
-  EXPECT_INVALID(w.costs->addCost("com", w.costs->get_costs().at("com")->cost, 1), "\"com\" is there already");
-  EXPECT_INVALID(w.constraints->addConstraint("com", w.com_within(-1, 1)), "\"com\" is there already");
-  const std::string what = "is called \"hand\"; there are: ";
+  EXPECT_INVALID(w.contacts->addContact("left", w.left_contact), "\"left\" exists already, a new name is expected");
+  EXPECT_INVALID(w.costs->addCost("com", w.costs->get_costs().at("com")->cost, 1), "\"com\" exists already");
+  EXPECT_INVALID(w.constraints->addConstraint("com", w.com_within(-1, 1)), "\"com\" exists already");
+  const std::string what = "is called \"hand\"; the known names are: ";
   EXPECT_INVALID(w.contacts->removeContact("hand"), "no contact " + what + "left, right");
   EXPECT_INVALID(w.contacts->changeContactStatus("hand", true), "no contact " + what + "left, right");
   EXPECT_INVALID(w.contacts->getContactStatus("hand"), "no contact " + what + "left, right");
-  EXPECT_INVALID(w.costs->removeCost("foot"), "no cost is called \"foot\"; there are: com, control");
+  EXPECT_INVALID(w.costs->removeCost("foot"), "no cost is called \"foot\"; the known names are: com, control");
   EXPECT_INVALID(w.costs->changeCostStatus("foot", true), "no cost is called \"foot\"");
   EXPECT_INVALID(w.costs->getCostStatus("foot"), "no cost is called \"foot\"");
   EXPECT_INVALID(w.constraints->removeConstraint("hand"), "no constraint " + what + "com");
   EXPECT_INVALID(w.constraints->changeConstraintStatus("hand", true), "no constraint " + what + "com");
   EXPECT_INVALID(w.constraints->getConstraintStatus("hand"), "no constraint " + what + "com");
   w.constraints->removeConstraint("com");
-  EXPECT_INVALID(w.constraints->removeConstraint("com"), "there are: none");
+  EXPECT_INVALID(w.constraints->removeConstraint("com"), "the known names are: none");
 }
 
 // If parts come or go after createData, new data are needed: old data throw, also after a swap of equal size.
@@ -283,7 +283,7 @@ TEST_F(Misuse, PartsAddedAfterCreateData) {
   EXPECT_INVALID(model->calc(data, w.x, u), "constraints " + what);
   EXPECT_INVALID(model->calc(data, w.x), "constraints " + what);
   expect_refused<std::logic_error>(__FILE__, __LINE__, [&] { model->calcDiff(data, w.x); },
-                                   {"calc(data, x) is expected"});
+                                   {"call calc(data, x) before calcDiff"});
   EXPECT_NO_THROW(evaluated(*model, w.x, u));
 }
 
@@ -302,7 +302,7 @@ TEST_F(Misuse, ItemsWritten) {
   EXPECT_EQ(evaluated(*model, w.x, u, data)->r.size(), static_cast<Eigen::Index>(w.costs->get_nr()));
 
   w.constraints->get_constraints().at("com")->active = false;
-  EXPECT_INVALID(model->calc(data, w.x, u), "status of a constraint", "changeConstraintStatus is expected");
+  EXPECT_INVALID(model->calc(data, w.x, u), "status of a constraint", "call changeConstraintStatus instead");
   w.constraints->get_constraints().at("com")->active = true;
 
   const auto point = std::make_shared<ContactModel3D>(w.state, w.left, w.left_pref.p, LOCAL, w.nu);
@@ -320,14 +320,14 @@ TEST_F(Misuse, ItemsWritten) {
 TEST_F(Misuse, ConstraintsReplaced) {
   w.constraints->get_constraints().at("com")->constraint =
       std::make_shared<ConstraintModelResidual>(w.state, std::make_shared<ResidualModelState>(w.state, w.nu));
-  EXPECT_INVALID(model->calc(data, w.x, u), "the data of \"com\" are of another constraint, new data are expected");
-  EXPECT_INVALID(model->calc(data, w.x), "the data of \"com\" are of another constraint");
+  EXPECT_INVALID(model->calc(data, w.x, u), "the data of \"com\" belong to another constraint, new data are expected");
+  EXPECT_INVALID(model->calc(data, w.x), "the data of \"com\" belong to another constraint");
 }
 
 TEST_F(Misuse, SwitchedBeforeCalcDiff) {
   const auto expect_calc = [&](int line) {
     expect_refused<std::logic_error>(__FILE__, line, [&] { model->calcDiff(data, w.x, u); },
-                                     {"calc(data, x, u) is expected", "with the same costs and constraints"});
+                                     {"call calc(data, x, u)", "with the same data, costs and constraints"});
     EXPECT_NO_THROW(evaluated(*model, w.x, u, data));
   };
   for (bool active : {false, true}) {
@@ -357,7 +357,7 @@ TEST_F(Misuse, ContactsGoneBeforeCalcDiff) {
   w.contacts->removeContact("right");
   expect_refused<std::logic_error>(
       __FILE__, __LINE__, [&] { model->calcDiff(data, w.x, u); },
-      {"::calcDiff", "it uses the values of the last calc", "calc(data, x, u) is expected"});
+      {"::calcDiff", "calcDiff uses the values of the last calc", "call calc(data, x, u)"});
 }
 
 TEST_F(Misuse, Frames) {
@@ -383,14 +383,14 @@ TEST_F(Misuse, ResidualsWithoutTheirContact) {
     return std::make_shared<ResidualModelContactForce>(w.state, id, Vec6<double>(Vec6<double>::Zero()), nc, w.nu);
   };
   w.add_cost("force", force(hand, 6));
-  EXPECT_INVALID(model->createData(), "frame " + n(hand) + " has no contact, one is expected");
+  EXPECT_INVALID(model->createData(), "frame " + n(hand) + " has no contact, a contact is expected");
   w.costs->removeCost("force");
   w.add_cost("force", force(w.left, 3));
   EXPECT_INVALID(model->createData(), "is 6D", "nc = 3 is expected");
   w.costs->removeCost("force");
   w.add_cost("force", force(w.left, 6));
   w.contacts->addContact("twice", w.left_contact, false);
-  EXPECT_INVALID(model->createData(), "several contacts (left, twice), one is expected");
+  EXPECT_INVALID(model->createData(), "several contacts (left, twice), exactly one contact is expected");
   EXPECT_INVALID(ResidualModelContactForce(w.state, w.left, Vec6<double>::Zero(), 4, w.nu), "nc is 4",
                  "1, 2, 3, 5 or 6");
   EXPECT_INVALID(ResidualModelContactFrictionCone(w.state, w.left, FrictionCone(), w.nu, false), "fwddyn is false",

@@ -122,9 +122,9 @@ TEST(Advice, OnBodiesThatNothingMoves) {
   const Advised s{load_text(R"(<scene gravity="0 0 0"><robot name="idle" urdf="arm.urdf" base="fixed"/>
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating" copies="5"/></scene>)")};
-  EXPECT_TRUE(says(s.bodies, "idle: fixed to the world, at rest and without contact")) << all(s.bodies);
-  EXPECT_TRUE(says(s.bodies, "box0 .. box4: floats freely, without contact")) << all(s.bodies);
-  EXPECT_FALSE(says(s.bodies, "busy: fixed")) << all(s.bodies);
+  EXPECT_TRUE(says(s.bodies, "idle: the robot is fixed to the world, at rest and without contact")) << all(s.bodies);
+  EXPECT_TRUE(says(s.bodies, "box0 .. box4: the robot floats freely, without contact")) << all(s.bodies);
+  EXPECT_FALSE(says(s.bodies, "busy: the robot is fixed")) << all(s.bodies);
 }
 
 TEST(Advice, NeedsASolution) {

@@ -321,7 +321,7 @@ TEST(MasslessJoint, JointsByName) {
   ASSERT_EQ(data.report.status, Status::kFailed);
   const std::vector<MasslessJoint> found = massless_joints(file.scene, data, file.q);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].joint + ": " + found[0].why, "r/wrist: no mass below it");
+  EXPECT_EQ(found[0].joint + ": " + found[0].why, "r/wrist: there is no mass below the joint");
   const SceneFile sound = held("");
   EXPECT_TRUE(massless_coordinates(sound.scene.robots[0], sound.q).empty());
 }

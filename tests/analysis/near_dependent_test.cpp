@@ -135,10 +135,11 @@ TEST(NearDependent, AdviceDoesNotNameWhatIsAsStuck) {
   std::string advice;
   for (const std::string& item : advise_on_contacts(s.file.scene, s.data, find_kinds(s.file.scene, s.data)))
     advice += item + "\n";
-  EXPECT_NE(advice.find("pin (3d, 3 rows) has rank 2, and 1 row more, nearly dependent"), std::string::npos) << advice;
-  EXPECT_NE(
-      advice.find("2d, rotated so that its y is along this z, at the same frame imposes the same constraint there"),
-      std::string::npos)
+  EXPECT_NE(advice.find("pin (3d, 3 rows) has rank 2, in addition to 1 nearly dependent row"), std::string::npos)
+      << advice;
+  EXPECT_NE(advice.find(
+                "2d, rotated so that the new y is along the present z, at the same frame imposes the same constraint"),
+            std::string::npos)
       << advice;
   EXPECT_EQ(advice.find("3D"), std::string::npos) << advice;
 }

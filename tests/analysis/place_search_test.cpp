@@ -196,7 +196,7 @@ SceneFile crouching(const std::string& poses) {
 std::string hints(const SceneFile& file) {
   std::string out;
   for (const Finding& f : file.findings)
-    if (f.text.find("outside of its contacts") != std::string::npos) out += f.text;
+    if (f.text.find("outside of the robot's contacts") != std::string::npos) out += f.text;
   return out;
 }
 
@@ -232,7 +232,7 @@ TEST(PoseStands, OrIsToldWhereTheyDoNot) {
       "<pose com='h' x='0.3' z='0.6'/>");
   EXPECT_NEAR(center(file)[0], 0.3, kSearched);
   EXPECT_NEAR(center(file)[2], 0.6, kSearched);
-  EXPECT_NE(hints(file).find("its centre of mass is 0."), std::string::npos) << hints(file);
+  EXPECT_NE(hints(file).find("the centre of mass is 0."), std::string::npos) << hints(file);
 }
 
 // The first search of an arm that must rotate by half a turn ends at limits.
@@ -257,7 +257,7 @@ TEST(Poses, OfTheCentreOfMassAreChecked) {
   };
   EXPECT_NE(refused("<pose com='h' yaw='1'/>").find("expected only x, y, z of the centre of mass"), std::string::npos);
   EXPECT_NE(refused("<pose com='k' x='1'/>").find("there is no robot 'k'"), std::string::npos);
-  EXPECT_NE(refused("<pose com='h'/>").find("requires nothing"), std::string::npos);
+  EXPECT_NE(refused("<pose com='h'/>").find("gives no coordinate"), std::string::npos);
   EXPECT_NE(refused("<pose com='h' z='9'/><pose frame='h/left_sole' xyz='0 0 0'/>").find("is missed by"),
             std::string::npos);
 }

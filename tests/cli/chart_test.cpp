@@ -221,7 +221,7 @@ TEST_F(ChartOf, WhatWouldTakeTooLongIsSkipped) {
     EXPECT_EQ(row.at("time_us").empty(), dense) << row.at("method");
     EXPECT_EQ(row.at("error_acceleration").empty(), dense) << row.at("method");
   }
-  expect_contains(out, "Skipped, or its derivatives, as too slow or too large: dense, dense-schur,");
+  expect_contains(out, "Skipped as too slow or too large, wholly or for derivatives: dense, dense-schur,");
   if (has_matplotlib()) {
     EXPECT_NE(read_text(path("out/chart.svg")).find("failed, skipped or unknown"), std::string::npos);
   }
@@ -257,7 +257,7 @@ TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
       "exec /usr/bin/python3 -S -E \"$@\"",
       {"chart", model("arm_pushes_box.xml"), model("humanoid_standing.xml"), "--seconds", "0", "--out", path("out")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  expect_contains(outcome.out, "Fastest of the accurate ones is");
+  expect_contains(outcome.out, "The fastest accurate method is");
   expect_contains(outcome.err, "python3 with matplotlib is not installed");
   const std::string page = read_text(path("out/README.md"));
   EXPECT_NE(page.find("## humanoid_standing"), std::string::npos);
@@ -269,7 +269,7 @@ TEST_F(ChartOf, WithoutMatplotlibThereIsTheText) {
 TEST_F(ChartOf, PythonThatFailsIsReported) {
   const Outcome outcome = run_with_python("[ \"$1\" = -c ]", words_);
   EXPECT_EQ(outcome.status, 1);
-  expect_contains(outcome.err, path("bin/python3") + " failed in ");
+  expect_contains(outcome.err, "run by " + path("bin/python3") + ", failed");
   expect_lacks(outcome.err, "not installed");
   EXPECT_GT(read_csv(path("out/chart.csv")).size(), 40u);
 }

@@ -140,7 +140,7 @@ TEST_F(Export, WithoutPythonThereIsTheList) {
   const Outcome outcome = run_with_python("", {"export", model("arm_pushes_box.xml"), "--out", path("out")});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err,
-            "manycontact: python3 is not installed, README.md is not written; export.json has its numbers\n");
+            "manycontact: python3 is not installed, so README.md is not written; export.json has the numbers\n");
   EXPECT_EQ(nlohmann::json::parse(read_text(path("out/export.json")))["islands"].size(), 1u);
   EXPECT_TRUE(fs::exists(path("out/island_0.mtx")));
   EXPECT_FALSE(fs::exists(path("out/README.md")));
@@ -238,8 +238,7 @@ TEST_F(Export, SystemsWithoutVelocities) {
                     swing = "<robot name=\"a\" urdf=\"swing.urdf\"/>",
                     locked = "<robot name=\"l\" urdf=\"swing.urdf\"><lock joint=\"j\" at=\"0.1\"/></robot>",
                     touch = "<contact name=\"c\" type=\"3d\" frame=\"l/b\" to=\"a/b\"/>";
-  for (const std::string& inside :
-       {table, table + locked, table + swing, locked + swing + touch})
+  for (const std::string& inside : {table, table + locked, table + swing, locked + swing + touch})
     for (const std::string damping : {"0", "0.01"})
       for (const std::vector<std::string>& options :
            {std::vector<std::string>{"--truth"}, std::vector<std::string>{"--truth", "--derivatives"}}) {
@@ -265,10 +264,10 @@ TEST_F(Export, RefusesBadInput) {
   EXPECT_EQ(refused({"export", path("none.xml"), "--out", path("out")}, "none.xml:1: "), 1u);
   EXPECT_FALSE(fs::exists(path("out")));
   std::ofstream(path("file")) << "old";
-  EXPECT_EQ(refused({"export", file, "--out", path("file")}, "file:1: is not a folder and cannot be made one"), 1u);
+  EXPECT_EQ(refused({"export", file, "--out", path("file")}, "file:1: cannot be created as a folder"), 1u);
   const std::string own = scene("<robot name=\"a\" urdf=\"box.urdf\" base=\"floating\"/>");
   fs::rename(own, path("README.md"));
-  refused({"export", path("README.md"), "--out", path("")}, "--out would write");
+  refused({"export", path("README.md"), "--out", path("")}, "--out would overwrite");
   EXPECT_TRUE(read_text(path("README.md")).starts_with("<scene"));
 }
 

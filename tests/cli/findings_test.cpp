@@ -32,7 +32,7 @@ TEST_F(FindingsOfTheProgram, AFootFarAway) {
   ASSERT_EQ(j.at("placement_errors").size(), 1u);
   EXPECT_EQ(j.at("placement_errors")[0].at("contact"), "foot");
   EXPECT_NEAR(j.at("placement_errors")[0].at("position").get<double>(), 5, 1e-12);
-  const std::string text = "out of place: foot by 5 m, which nothing corrects: its gains are zero";
+  const std::string text = "out of place: foot by 5 m; the error is not corrected, because alpha is 0";
   expect_contains(run({"solve", far}).out, text);
   expect_contains(run({"inspect", far}).out, text);
   EXPECT_EQ(simulate(far, {}).at("placement_errors").size(), 1u);
@@ -51,7 +51,8 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
   EXPECT_EQ(j.at("velocity_errors")[0].at("contact"), "weld");
   EXPECT_NEAR(j.at("velocity_errors")[0].at("linear").get<double>(), 1, 1e-12);
   EXPECT_EQ(j.at("findings")[0].at("kind"), "velocity");
-  const std::string text = "moves although constrained: weld by 1 m/s, which nothing corrects: its gains are zero";
+  const std::string text =
+      "moves although constrained: weld by 1 m/s; the velocity is not corrected, because beta is 0";
   expect_contains(run({"solve", falls}).out, text);
   expect_contains(run({"inspect", falls}).out, text);
   EXPECT_EQ(simulate(falls, {}).at("velocity_errors").size(), 1u);
@@ -70,8 +71,9 @@ TEST_F(FindingsOfTheProgram, AContactThatMoves) {
   expect_contains(said_, "at t = 0 s weld (on before) closed: the impact dissipated 3.2 J");
   (void)simulate(scene(inside, "consistent=\"true\""), {});
   EXPECT_NEAR(height(), 0, 1e-12);
-  expect_contains(
-      said_, "consistent: test (scene.xml:1): made consistent with the contacts, v most of all of b/root[2], by 1");
+  expect_contains(said_,
+                  "consistent: test (scene.xml:1): q and v were made consistent with the contacts; v changed most at "
+                  "b/root[2], by 1");
   for (const char* name : {"humanoid_standing.xml", "herd.xml"})
     EXPECT_EQ(solve({model(name)}).at("velocity_errors").size(), 0u) << name;
 }
@@ -103,8 +105,8 @@ TEST_F(FindingsOfTheProgram, RowsThatNearlyDepend) {
   EXPECT_GT(j.at("near_dependent")[0].at("times_loads").get<double>(), 1e6);
   for (const char* command : {"solve", "inspect"}) {
     const std::string told = run({command, near}).out;
-    if (command == std::string("solve")) expect_contains(told, "rounding errors may change it by more than its size");
-    expect_contains(told, "nearly dependent: two[0]: the other rows leave 4.8e-11 of it");
+    if (command == std::string("solve")) expect_contains(told, "rounding errors may be larger than the solution");
+    expect_contains(told, "nearly dependent: two[0]: only 4.8e-11 of the row is independent of the other rows");
     expect_contains(told, "row two[0] is accepted, although only 4.8e-11 of its norm is orthogonal to the rows");
     expect_contains(told, "row three[0] is rejected with");
   }
@@ -120,9 +122,11 @@ TEST_F(FindingsOfTheProgram, SingularPostures) {
   EXPECT_TRUE(j.at("rank_changes")[0].at("singular").get<bool>());
   EXPECT_EQ(j.at("rank_changes")[0].at("contacts"), (json{"trunk", "foot"}));
   const std::string told = run({"solve", stretched, "--derivatives"}).out;
-  expect_contains(told, "rank changes: trunk, foot: rank 8 of 9 rows here, more at neighbouring configurations");
-  expect_contains(told, "these assume constant rank, but it changes; trunk, foot");
-  expect_contains(run({"inspect", stretched}).out, "a singular configuration");
+  expect_contains(told,
+                  "rank changes: the rank of the rows of trunk, foot is 8 of 9 at this configuration, and larger at");
+  expect_contains(told,
+                  "derivatives assume that the rank is constant, but the rank of the rows of trunk, foot is 8 of 9");
+  expect_contains(run({"inspect", stretched}).out, "the configuration is singular");
 }
 
 // A box hangs on a contact that can only push, and is drawn along one with friction alone.
@@ -238,16 +242,16 @@ TEST_F(FindingsOfTheProgram, ContradictionsAndMasslessJoints) {
     <joint name="wrist" type="continuous"><parent link="base"/><child link="nothing"/></joint></robot>)";
   const std::string ghost = scene(R"(<robot name="g" urdf="ghost.urdf" base="fixed"/>)");
   EXPECT_EQ(solve({ghost}, 1).at("massless_joints"), json{"g/wrist"});
-  expect_contains(run({"solve", ghost}).out, "joints without inertia: g/wrist: no mass below it");
+  expect_contains(run({"solve", ghost}).out, "joints without inertia: g/wrist: there is no mass below the joint");
 }
 
 TEST_F(FindingsOfTheProgram, LargeIslandsAreNotSolvedDenselyUnasked) {
   const std::string many = scene(R"(<robot name="q" urdf="quadruped.urdf" base="floating" copies="60"/>
     <contact name="c" type="3d" frame="q/trunk" to="q+1/trunk"/>)");
   const std::string out = run({"solve", many}).out;
-  expect_contains(out, "left out: one solve would take some");
-  expect_contains(out, "(--compare does it)");
-  expect_lacks(run({"solve", model("herd.xml")}).out, "left out");
+  expect_contains(out, "not compared, because one dense solve would take");
+  expect_contains(out, "--compare compares in any case");
+  expect_lacks(run({"solve", model("herd.xml")}).out, "not compared");
 }
 
 // A box falls onto a point, with RK4 so that the impact is the switch's own.
@@ -277,7 +281,7 @@ TEST_F(FindingsOfTheProgram, SwitchesThatAreNotReached) {
   const auto switched = [&](const std::string& list, const std::string& out) {
     return run({"simulate", falls, "--time", "0.01", "--step", "0.001", "--out", out, "--switch", list});
   };
-  const std::string late = "not switched, for the run ended at t = 0.01 s: 0.01 c off, 5 c here";
+  const std::string late = "contacts were not switched, because the run ended at t = 0.01 s: 0.01 c off, 5 c here";
   const Outcome told = switched("5 c here, 0.002 c here, 0.01 c off", path("t.csv"));
   EXPECT_EQ(told.status, 0);
   EXPECT_EQ(told.err, "");
@@ -321,10 +325,10 @@ TEST_F(FindingsOfTheProgram, TorquesAndReferences) {
   };
   refused("", "bad.csv:1: ");
   refused("time\n", "bad.csv:1: there is no column 't', expected");
-  refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' is none of the scene's");
+  refused("t,u:a/none\n0,0\n", "bad.csv:1: column 'u:a/none' names nothing in the scene");
   refused("t,u:" + joint + "\n0,x\n", "bad.csv:2: column 'u:" + joint + "' has 'x', expected a finite number");
-  refused("t,u:" + joint + "\n0\n", "bad.csv:2: has 1 cells, expected 2");
-  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not grow");
+  refused("t,u:" + joint + "\n0\n", "bad.csv:2: the row has 1 cells, expected 2");
+  refused("t,u:" + joint + "\n1,0\n1,0\n", "bad.csv:3: the time does not increase");
 }
 
 constexpr char kCart[] =
@@ -343,7 +347,7 @@ TEST_F(FindingsOfTheProgram, TorquesThatDoNotKeepAtRest) {
                                      std::to_string(q) + "' actuated='false'/></robot></scene>";
     return path(name);
   };
-  const std::string text = "no torques keep it at rest in this configuration: 1.91 N m of its load remain";
+  const std::string text = "no torques keep this coordinate at rest in this configuration: a load of 1.91 N m remains";
   const std::string gravity = cart("gravity.xml", " u='gravity'", 0.4), none = cart("none.xml", "", 0.4),
                     upright = cart("upright.xml", " u='gravity'", 0);
   expect_contains(run({"solve", gravity}).out, "rest: r/pole (gravity.xml:1): " + text);

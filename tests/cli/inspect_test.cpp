@@ -82,7 +82,7 @@ TEST_F(Inspect, PointsOnALineHoldFiveMotions) {
     <contact name="l1" type="3d" frame="h/left_sole" offset="0.1 0 0"/>
     <contact name="l2" type="3d" frame="h/left_sole" offset="-0.1 0 0"/>)"));
   expect_contains(out, "l1, l2, 6 rows of rank 5: points on a line constrain five motions");
-  expect_contains(out, "no single type does");
+  expect_contains(out, "no single contact type imposes this constraint");
   expect_lacks(out, "6D contact on");
 }
 
@@ -165,8 +165,8 @@ TEST_F(Inspect, MemoryOfARobot) {
       "<contact name=\"l\" type=\"6d\" frame=\"h/left_sole\"/>"
       "<contact name=\"r\" type=\"6d\" frame=\"h/right_sole\"/>";
   const std::string out = inspect(scene(kHumanoid + feet));
-  if (out.find("Memory: ") == std::string::npos) GTEST_SKIP() << "the heap does not tell";
-  expect_contains(out, "a robot to solve, and 43.2 kB for all derivatives");
+  if (out.find("Memory per robot: ") == std::string::npos) GTEST_SKIP() << "the heap does not tell";
+  expect_contains(out, "kB to solve, and 43.2 kB for all derivatives");
 }
 
 TEST_F(Inspect, CostsAreRelativeToTheCheapest) {
@@ -174,7 +174,7 @@ TEST_F(Inspect, CostsAreRelativeToTheCheapest) {
     const std::vector<std::string> lines = lines_of(inspect(path));
     const auto title = std::find_if(lines.begin(), lines.end(), [](const auto& l) { return l.starts_with("Cost of"); });
     ASSERT_NE(title, lines.end());
-    expect_contains(*title, "predicted, in units of the cheapest sparse one");
+    expect_contains(*title, "predicted, relative to the cheapest sparse method");
     double least = INFINITY;
     for (auto line = title; line != lines.end(); ++line)
       for (const char* order : {"leaf-to-root", "contacts-early", "camd"}) {
@@ -196,8 +196,9 @@ TEST_F(Inspect, CostsAndChoiceAreShown) {
 }
 
 TEST_F(Inspect, WaysToSolveAreListed) {
-  expect_contains(inspect(model("humanoid_standing.xml")),
-                  "solve tries, until one is sound: in a SIMD batch; sparse-ldl in leaf-to-root order;");
+  expect_contains(
+      inspect(model("humanoid_standing.xml")),
+      "solve tries these methods until one is accurate: in a SIMD batch; sparse-ldl in leaf-to-root order;");
   expect_contains(inspect(model("ring_of_humanoids.xml")), "robot by robot in SIMD batches;");
 }
 
@@ -206,9 +207,9 @@ TEST_F(Inspect, IdleRobotsAndJoints) {
     <robot name="busy" urdf="arm.urdf" base="fixed"><joint name="shoulder_yaw" v="1"/></robot>
     <robot name="box" urdf="box.urdf" base="floating"/>)",
                                         "gravity=\"0 0 0\""));
-  expect_contains(out, "idle: fixed to the world, at rest and without contact");
-  expect_contains(out, "box: floats freely, without contact");
-  expect_lacks(out, "busy: fixed to the world");
+  expect_contains(out, "idle: the robot is fixed to the world, at rest and without contact");
+  expect_contains(out, "box: the robot floats freely, without contact");
+  expect_lacks(out, "busy: the robot is fixed to the world");
   expect_contains(inspect(model("feet_on_corners.xml")), "20 joints could be locked");
 }
 

@@ -62,7 +62,7 @@ TEST_F(MeshReader, Stl) {
   }
   EXPECT_EQ(vertices("b.stl", bytes),
             (Vertices{{3, 4, 5}, {6, 7, 8}, {9, 10, 11}, {103, 104, 105}, {106, 107, 108}, {109, 110, 111}}));
-  expect_contains(refusal("cut.stl", bytes.substr(0, 150)), "has no triangles, expected some");
+  expect_contains(refusal("cut.stl", bytes.substr(0, 150)), "has no triangles, expected at least one triangle");
   expect_contains(refusal("bad.stl", text.substr(0, 70)), "cannot be read, expected a mesh; assimp: STL: ");
   expect_contains(refusal("empty.stl", ""), "cannot be read, expected a mesh; assimp: ");
 }
@@ -74,7 +74,7 @@ TEST_F(MeshReader, Obj) {
             (Vertices{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 0}, {1, 1, 0}, {0, 1, 0}}));
   for (const std::string corner : {"2", "0", "-2", "1x", "99999999999999999999"})
     expect_contains(refusal("bad.obj", "# one vertex\nv 0 0 0\nf 1 1 " + corner + "\n"), "cannot be read");
-  expect_contains(refusal("none.obj", "# one vertex\nv 0 0 0\n"), "has no triangles, expected some");
+  expect_contains(refusal("none.obj", "# one vertex\nv 0 0 0\n"), "has no triangles, expected at least one triangle");
 }
 
 // Vertices are in metres, placed by the nodes. Axes stay, whatever axis is up: viewers of robots expect this.
@@ -97,7 +97,7 @@ TEST_F(MeshReader, Collada) {
 }
 
 TEST_F(MeshReader, OtherFiles) {
-  expect_contains(refusal("m.ply", "ply"), "is no mesh that can be read, expected .dae, .obj or .stl");
+  expect_contains(refusal("m.ply", "ply"), "is no mesh that can be read, expected a file .dae, .obj or .stl");
   expect_contains(run({path("none.stl")}, mesh_reader()).out,
                   "cannot be read, expected a mesh; assimp: Unable to open");
   expect_contains(run({}, mesh_reader()).out, "usage: manycontact-mesh FILE");

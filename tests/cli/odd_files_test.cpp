@@ -42,20 +42,23 @@ TEST_F(OddFiles, AnInertiaThatNoBodyHas) {
   EXPECT_EQ(f.at("file"), path("odd.urdf"));
   EXPECT_EQ(f.at("line"), 3);
   for (const char* command : {"solve", "inspect"})
-    expect_contains(run({command, odd}).out,
-                    "Warnings inertia: r/upper (odd.urdf:3): the body, with what is merged into it, has the principal "
-                    "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which violate the triangle inequality");
+    expect_contains(
+        run({command, odd}).out,
+        "Warnings inertia: r/upper (odd.urdf:3): the body, with the bodies merged into this body, has the principal "
+        "moments of inertia 0.0019, 0.0085, 0.0106 kg m^2, which violate the triangle inequality");
   const Outcome refused = run({"solve", arm(link, joint, "inertia=\"refuse\"")});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_EQ(refused.err.find("manycontact: " + path("odd.urdf") + ":3: link 'upper' and what is merged into it have "),
+  EXPECT_EQ(refused.err.find("manycontact: " + path("odd.urdf") +
+                             ":3: link 'upper', with the links merged into this link, has "),
             0u)
       << refused.err;
 }
 
 TEST_F(OddFiles, LimitsThatBoundNothing) {
   const std::string odd = arm(body(1, 1, 1), "type=\"revolute\"><limit lower=\"-Inf\" upper=\"1e999\" effort=\"2\"/>");
-  EXPECT_EQ(finding(solve({odd}), "limits").at("text"), "taken as no limit: velocity missing, lower -Inf, upper 1e999");
-  expect_contains(run({"inspect", odd}).out, "limits: r/j (odd.urdf:4): taken as no limit: velocity missing");
+  EXPECT_EQ(finding(solve({odd}), "limits").at("text"),
+            "<limit> has no velocity, lower -Inf, upper 1e999, where the joint is taken as unlimited");
+  expect_contains(run({"inspect", odd}).out, "limits: r/j (odd.urdf:4): <limit> has no velocity");
   // thirty identical ones are one line, thirty different ones a few lines
   std::string many, different;
   for (int i = 0; i < 30; ++i) {
@@ -67,7 +70,7 @@ TEST_F(OddFiles, LimitsThatBoundNothing) {
                  "\"/><limit velocity=\"1\" effort=\"-1" + n + "\"/></joint>\n";
   }
   const std::string joint = "type=\"continuous\">";
-  expect_contains(run({"inspect", arm(body(1, 1, 1), joint, "", many)}).out, "and 26 more: taken as no limit");
+  expect_contains(run({"inspect", arm(body(1, 1, 1), joint, "", many)}).out, "and 26 more: <limit> has");
   const std::string said = run({"inspect", arm(body(1, 1, 1), joint, "", different)}).out;
   expect_contains(said, "limits: and 26 more such");
   EXPECT_EQ(solve({path("scene.xml")}).at("findings").size(), 30u);
@@ -82,21 +85,23 @@ TEST_F(OddFiles, ASingularInertiaSaysWhy) {
     return f.at("name").get<std::string>() + ": " + f.at("text").get<std::string>();
   };
   const std::string y = "type=\"continuous\"><axis xyz=\"0 1 0\"/>";
-  EXPECT_EQ(why("", y), "r/j: no mass below it");
+  EXPECT_EQ(why("", y), "r/j: there is no mass below the joint");
   EXPECT_EQ(why("<inertial><mass value=\"1\"/></inertial>", y),
-            "r/j: its bodies lack a moment of inertia about its axis");
+            "r/j: the joint's bodies lack a moment of inertia about the joint's axis");
   EXPECT_EQ(why("<inertial><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/></inertial>", "type=\"prismatic\">"),
-            "r/j: its bodies lack mass");
+            "r/j: the joint's bodies lack mass");
   EXPECT_EQ(why("", y, "",
                 "<link name=\"l\">" + body(1, 1, 1) +
                     "</link><joint name=\"k\" type=\"continuous\"><parent link=\"upper\"/><child link=\"l\"/><axis "
                     "xyz=\"0 1 0\"/></joint>"),
-            "r/j: its bodies lack a moment of inertia about its axis, and the joints below it move the rest alone");
+            "r/j: the joint's bodies lack a moment of inertia about the joint's axis, and the joints below can move "
+            "all other bodies");
   // two bases
-  EXPECT_EQ(why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
-            "r/root: its bodies lack mass or a moment of inertia, and the joints below it move the rest alone");
+  EXPECT_EQ(
+      why(body(1, 1, 1), "type=\"floating\">", "base=\"floating\""),
+      "r/root: the joint's bodies lack mass or a moment of inertia, and the joints below can move all other bodies");
   expect_contains(run({"solve", path("scene.xml")}).out,
-                  "base: r/j (odd.urdf:4): a floating joint below the floating base: two bases");
+                  "base: r/j (odd.urdf:4): the joint is floating and below the floating base: the robot has two bases");
 }
 
 TEST_F(OddFiles, NoMotorsHoldAFloatingJoint) {
@@ -109,7 +114,7 @@ TEST_F(OddFiles, XacroAndEncodings) {
   const Outcome xacro = run({"solve", arm("", "type=\"continuous\">", "", "<xacro:leg/>")});
   EXPECT_EQ(xacro.status, 2);
   EXPECT_EQ(lines_of(xacro.err).size(), 1u);
-  expect_contains(xacro.err, path("odd.urdf") + ":5: <xacro:leg> is xacro");
+  expect_contains(xacro.err, path("odd.urdf") + ":5: <xacro:leg> is an element of xacro");
   std::ofstream(path("u.urdf")) << "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><robot name=\"r\"><link name=\"a\"/>"
                                    "<link name=\"b\">" +
                                        body(1, 1, 1) +
@@ -170,7 +175,7 @@ TEST_F(CsvFiles, AreRefusedByLine) {
   says("t,\"u:r/j\"x\n0,1\n", "1: cell 2 continues after its closing quote");
   says("t,u:\"r/j\"\n0,1\n", "1: cell 2 has a quote inside");
   says("\xFF\xFEt\n", "1: is UTF-16");
-  says("t,u:r/j\n0,1\n0,1\n", "3: the time does not grow");
+  says("t,u:r/j\n0,1\n0,1\n", "3: the time does not increase");
   says("t,u:r/j\n0,nan\n", "2: column 'u:r/j' has 'nan', expected a finite number");
   says("t,u:r/j\n", "1: has no rows");
   says("t,q:r/j\n0,1\n", "1: has no column of torques");

@@ -190,7 +190,7 @@ TEST_F(Output, FilesThatAreReadStay) {
              {"batch", outer, "--states", path("x.npy"), "--out", out}}) {
       const Outcome outcome = run(words);
       EXPECT_EQ(outcome.status, 2) << words[0];
-      expect_contains(outcome.err, "would be written over");
+      expect_contains(outcome.err, "would overwrite");
     }
   }
   EXPECT_EQ(read_text(path("arm.urdf")), arm);
@@ -200,7 +200,7 @@ TEST_F(Output, FilesThatAreReadStay) {
   fs::rename(inner, path("README.md"));
   const Outcome charted = run({"chart", path("README.md"), path("README.md"), "--seconds", "0", "--out", path("")});
   EXPECT_EQ(charted.status, 2);
-  expect_contains(charted.err, "--out would write");
+  expect_contains(charted.err, "--out would overwrite");
   EXPECT_EQ(read_text(path("README.md")), scene);
 }
 
@@ -211,8 +211,8 @@ TEST_F(Output, TasksToo) {
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   };
-  expect_contains(optimize({path("m"), "--json", scene}).err, "--json would be written over");
-  expect_contains(optimize({path("c/forces.svg"), "--charts", path("c")}).err, "--charts would write");
+  expect_contains(optimize({path("m"), "--json", scene}).err, "--json would overwrite");
+  expect_contains(optimize({path("c/forces.svg"), "--charts", path("c")}).err, "--charts would overwrite");
   EXPECT_EQ(read_text(scene), before);
   EXPECT_FALSE(fs::exists(path("c")));
 }

@@ -89,7 +89,7 @@ TEST_F(Simulate, TellsWhatClosesAway) {
   for (const std::string what : {"on", "here"}) {
     const Outcome outcome = run(words(file, {"--switch", "0.05 grip " + what, "--json", path("r.json")}));
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    const std::string text = "contact grip closes 0.05 m away from its place";
+    const std::string text = "contact grip closes 0.05 m away from its reference placement";
     EXPECT_EQ(outcome.out.find(text) != std::string::npos, what == "on") << outcome.out;
     EXPECT_EQ(read_text(path("r.json")).find(text) != std::string::npos, what == "on");
   }
@@ -116,7 +116,7 @@ TEST_F(Simulate, LinesWithoutEndAreRefused) {
       scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/><push name=\"p\" frame=\"b/crate\"/>");
   const Outcome outcome = run(words(file, {"--wrenches", "/dev/zero"}));
   EXPECT_EQ(outcome.status, 2);
-  expect_contains(outcome.err, "/dev/zero:1: is a line of more than 64 MB");
+  expect_contains(outcome.err, "/dev/zero:1: the line is longer than 64 MB");
 }
 
 TEST_F(Simulate, WritesTheTrajectory) {
@@ -167,7 +167,7 @@ TEST_F(Simulate, PushesAndSprings) {
     EXPECT_EQ(bad.status, 2);
     expect_contains(bad.err, message);
   };
-  refused(pushed, "t,w:wind[2]\n0,1\n", "bad.csv:1: column 'w:wind[2]' is none of the scene's");
+  refused(pushed, "t,w:wind[2]\n0,1\n", "bad.csv:1: column 'w:wind[2]' names nothing in the scene");
   refused(pushed, "t,u:x\n0,1\n", "bad.csv:1: has no column of a wrench, expected columns like w:lift[0]");
   refused(scene(box), "t,w:lift[2]\n0,1\n", "the scene has no <wrench>");
   const std::string spring = "<spring name=\"rope\" frame=\"b/crate\" xyz=\"0 0 1\" stiffness=\"";
@@ -178,7 +178,7 @@ TEST_F(Simulate, PushesAndSprings) {
   const Outcome taken = run(words(stiff));
   EXPECT_EQ(taken.status, 0);
   expect_contains(taken.out, "spring rope oscillates faster at the start than steps of 0.001 s can follow");
-  expect_contains(run(words(stiff, {"--integrator", "rk4"})).out, "spring rope is unstable with rk4 beyond steps of");
+  expect_contains(run(words(stiff, {"--integrator", "rk4"})).out, "spring rope is unstable with rk4 in steps above");
 }
 
 // Free fall is exact: z by semi-implicit Euler is -g h^2 k (k + 1) / 2, by RK4 -g t^2 / 2.
@@ -232,7 +232,7 @@ TEST_F(Simulate, DivergenceStopsAndSaysSo) {
     EXPECT_EQ(outcome.status, 1);
     ASSERT_EQ(lines_of(outcome.err).size(), 1u) << outcome.err;
     EXPECT_TRUE(outcome.err.starts_with("manycontact: " + scene + ": stopped in step ")) << outcome.err;
-    expect_contains(outcome.out, "unstable with " + std::string(integrator) + " beyond steps of");
+    expect_contains(outcome.out, "unstable with " + std::string(integrator) + " in steps above");
     const Csv csv = trajectory();
     EXPECT_GE(csv.rows, 2u);
     EXPECT_LT(csv.rows, 101u);
@@ -279,11 +279,11 @@ TEST_F(Simulate, BadUsage) {
       {{"simulate", scene, "--time", "inf", "--step", "1", "--out", out}, "option --time is 'inf'"},
       {{"simulate", scene, "--time", "1", "--step", "-1", "--out", out}, "option --step is '-1'"},
       {{"simulate", scene, "--time", "1", "--step", "1e-12", "--out", out}, "--time is more than 1e9 times --step"},
-      {words(scene, {"--json", out}), "--out and --json are one file"},
+      {words(scene, {"--json", out}), "--out and --json are the same file"},
       {{"simulate", scene, "--time", "1", "--step", "1", "--out", "-", "--json", "-"},
        "--out and --json are both standard output"},
-      {words(scene, {"--forces", path("./t.csv")}), "--out and --forces are one file"},
-      {{"simulate", scene, "--time", "1", "--step", "1", "--out", scene}, "--out would be written over"},
+      {words(scene, {"--forces", path("./t.csv")}), "--out and --forces are the same file"},
+      {{"simulate", scene, "--time", "1", "--step", "1", "--out", scene}, "--out would overwrite"},
       {words(scene, {"--integrator", "euler"}), "unknown integrator 'euler', expected semi-implicit-euler or rk4"},
       {words(scene, {"--gains", "1"}), "option --gains is '1', expected 'alpha beta'"},
       {words(scene, {"--gains", "1 2 3"}), "option --gains is '1 2 3'"},
@@ -376,7 +376,7 @@ TEST_F(Simulate, StabilityOfLittle) {
       "gravity=\"0 0 0\"");
   const Outcome none = run({"stability", still, "--out", path("none"), "--steps", "20", "--time", "0.01"});
   EXPECT_EQ(none.status, 0) << none.err;
-  expect_contains(none.out, "no energy chart: no run that took a step has an energy error");
+  expect_contains(none.out, "there is no energy chart, because no run that took a step has an energy error");
   EXPECT_TRUE(std::filesystem::exists(path("none") + "/drift.svg"));
   EXPECT_FALSE(std::filesystem::exists(path("none") + "/energy.svg"));
 }
@@ -385,7 +385,7 @@ TEST_F(Simulate, StabilityNeedsContacts) {
   const std::string free = scene("<robot name=\"b\" urdf=\"box.urdf\" base=\"floating\"/>");
   const Outcome outcome = run({"stability", free, "--out", path("c")});
   EXPECT_EQ(outcome.status, 2);
-  EXPECT_EQ(outcome.err, "manycontact: " + free + ":1: there are no contacts, expected some to drift\n");
+  EXPECT_EQ(outcome.err, "manycontact: " + free + ":1: the scene has no contacts, expected at least one contact\n");
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST_F(Solve, RefusesDenseMatricesThatFillTheMemory) {
   const std::string many = scene("<robot name=\"h\" urdf=\"humanoid.urdf\" base=\"floating\" copies=\"1000\"/>");
   const Outcome outcome = run({"solve", many, "--derivatives", "--json", "-"});
   EXPECT_EQ(outcome.status, 2);
-  expect_contains(outcome.err, "the scene's dense matrices have");
+  expect_contains(outcome.err, "would write dense matrices of");
   EXPECT_EQ(outcome.out, "");
 }
 
@@ -146,7 +146,7 @@ TEST_F(Solve, TextAndJsonAgreeOnWhatIsRounding) {
     const std::vector<std::string> rounding = r.at("rounding");
     EXPECT_EQ(rounding, at_rest ? std::vector<std::string>{"acceleration"} : std::vector<std::string>{}) << path;
     EXPECT_EQ(r.at("error_acceleration").get<double>() > 1, at_rest) << path;
-    for (const char* text : {"accelerations are rounding errors", "no accelerations except"})
+    for (const char* text : {"accelerations are rounding errors", "all accelerations are rounding"})
       EXPECT_EQ(out.find(text) != std::string::npos, at_rest) << path << ": " << text;
     for (const json& island : r.at("island_list")) EXPECT_EQ(island.at("rounding"), r.at("rounding"));
   };
@@ -166,7 +166,7 @@ TEST_F(Solve, TextAndJsonAgreeOnWhatIsRounding) {
   const std::string out = run({"solve", mixed}).out;
   expect_contains(out, "errors: accelerations are rounding errors");
   expect_contains(out, "of the largest acceleration");
-  expect_lacks(out, "no accelerations except");
+  expect_lacks(out, "all accelerations are rounding");
 }
 
 TEST_F(Solve, RedundantIsAnAnswer) {
@@ -286,7 +286,7 @@ TEST_F(Solve, SummaryOfTwoHumanoidsSaysWhatMatters) {
   const std::string out = run({"solve", model("two_humanoids_carry_beam.xml")}).out;
   for (const char* part : {"Status ok", "82 velocities and 48 contact rows", "rank 48 of 48", "auto chose", "beam.urdf",
                            "a_left_foot 6d local", "weight of the floating robots 0.00 0.00 -1271.38",
-                           "Against the dense rank-revealing method", "no accelerations except"})
+                           "Comparison with the dense rank-revealing method", "all accelerations are rounding"})
     expect_contains(out, part);
 }
 

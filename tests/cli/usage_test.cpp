@@ -73,7 +73,7 @@ TEST_F(Usage, BadUsageIsOneLineAndAHint) {
       {{"solve", scene, "--method"}, "option --method needs a value M"},
       {{"solve", scene, "--method", "magic"}, "unknown method 'magic', expected one of dense, "},
       {{"solve", scene, "--order", "random"}, "unknown order 'random', expected one of leaf-to-root, "},
-      {{"solve", scene, "--method", "dense", "--order", "camd"}, "method dense has no order"},
+      {{"solve", scene, "--method", "dense", "--order", "camd"}, "method dense has no elimination order"},
       {{"solve", scene, "--precision", "half"}, "unknown precision 'half', expected one of single, double, "},
       {{"solve", scene, "--repeat", "0"}, "option --repeat is '0', expected a whole number"},
       {{"solve", scene, "--repeat", "3x"}, "option --repeat is '3x'"},
@@ -84,7 +84,7 @@ TEST_F(Usage, BadUsageIsOneLineAndAHint) {
       {{"inspect"}, "SCENE is missing"},
       {{"inspect", scene, "--json", "x"}, "unknown option '--json'"},
       {{"inspect", scene, "--picture"}, "option --picture needs a value"},
-      {{"inspect", path("s.xml"), "--picture", path("s.xml")}, "--picture would be written over"},
+      {{"inspect", path("s.xml"), "--picture", path("s.xml")}, "--picture would overwrite"},
   };
   for (const auto& [words, message] : cases) {
     const Outcome outcome = run(words);

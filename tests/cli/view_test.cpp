@@ -271,7 +271,7 @@ TEST_F(View, CapsulesAndMeshes) {
 
   const Outcome over = run({"view", one, "--out", path("parts/m/tip.obj")});
   EXPECT_EQ(over.status, 2);
-  expect_contains(over.err, "tip.obj', which is read");
+  expect_contains(over.err, "tip.obj': choose another file");
   view(one);
   expect_lacks(out, "capsules");
 
@@ -279,7 +279,7 @@ TEST_F(View, CapsulesAndMeshes) {
   std::ofstream(path("parts/m/cycle.dae")) << collada("", R"(<node id="a"><instance_node url="#a"/></node>)");
   robot("one.urdf", std::regex_replace(mesh, std::regex("tip.obj"), "cycle.dae"));
   EXPECT_EQ(view(one).scene["models"][0]["shapes"][1]["shape"], "capsule");
-  expect_contains(out, "cycle.dae:1: cannot be read, assimp failed at it");
+  expect_contains(out, "cycle.dae:1: cannot be read by assimp");
 }
 
 // A leaf ends at its farthest frame, not in the ground below; one whose mass reaches farther ends there.
@@ -338,8 +338,8 @@ TEST_F(View, BadInput) {
     EXPECT_FALSE(std::filesystem::exists(v)) << message;
   };
   one_line({"view", scene}, "option --out is missing");
-  one_line({"view", scene, "--out", v, "--rate", "2000"}, "--rate is more than 1000");
-  one_line({"view", scene, "--out", v, "--forces", path("f.csv")}, "--forces is given without --trajectory");
+  one_line({"view", scene, "--out", v, "--rate", "2000"}, "--rate is above 1000");
+  one_line({"view", scene, "--out", v, "--forces", path("f.csv")}, "--forces needs --trajectory");
   one_line({"view", scene, "--out", "/nowhere/v.html"}, "/nowhere/v.html:1: cannot be written");
   one_line({"simulate", scene, "--time", "1", "--step", "1", "--out", path("t.csv"), "--view", "-"},
            "--view is standard output");
@@ -358,7 +358,7 @@ TEST_F(View, BadInput) {
   trajectory({}, ":1: cannot be read or is empty");
   trajectory({lines[0]}, ":1: has no states");
   trajectory({"t,x", "0,0"}, ":1: there is no column");
-  trajectory({lines[0], lines[1], lines[1]}, ":3: the time does not grow");
+  trajectory({lines[0], lines[1], lines[1]}, ":3: the time does not increase");
   trajectory({lines[0], lines[1] + ",1"}, ":2: has");
   trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))},
              ":2: column 't' has 'nan', expected a finite number");

@@ -354,29 +354,31 @@ TEST(AppliedForces, WhatIsRefused) {
   const auto push = [&](ExternalWrench p) { return refusal([&] { add_external_wrench(s.scene, p); }); };
   const auto spring = [&](Spring x) { return refusal([&] { add_spring(s.scene, x); }); };
   EXPECT_EQ(push({"wind", a}), "wrench 'wind' exists already, expected names used once");
-  EXPECT_EQ(push({"x", {}}), "wrench 'x' is on the world, expected it on a robot");
+  EXPECT_EQ(push({"x", {}}), "wrench 'x' is on the world, expected a body of a robot");
   EXPECT_EQ(push({"x", {0, -1, {}}}),
             "wrench 'x' is on the base of robot 'a', which cannot move, expected a body that moves");
-  EXPECT_EQ(push({"x", {7, 0, {}}}), "wrench 'x' names robot 7 of 2");
+  EXPECT_EQ(push({"x", {7, 0, {}}}), "wrench 'x' names robot 7, expected a number from -1 to 1");
   EXPECT_EQ(push({"x", a, ReferenceFrame::kLocal, Vec6<double>::Constant(NAN)}),
-            "wrench 'x' has a force or torque that is not finite");
-  EXPECT_EQ(spring({"s", a, b, -1}), "spring 's' has a stiffness that is not 0 or more");
-  EXPECT_EQ(spring({"s", a, b, 1, NAN}), "spring 's' has a length that is not 0 or more");
+            "wrench 'x' has a force or torque that is not finite, expected finite numbers");
+  EXPECT_EQ(spring({"s", a, b, -1}),
+            "spring 's' has a stiffness that is not 0 or more, expected a finite number of 0 or more");
+  EXPECT_EQ(spring({"s", a, b, 1, NAN}),
+            "spring 's' has a length that is not 0 or more, expected a finite number of 0 or more");
   EXPECT_EQ(spring({"s", a, a, 1}),
             "spring 's' ties frame 'mass' of robot 'a' to frame 'mass' of robot 'a', which are on one body, expected "
             "two bodies");
   EXPECT_EQ(spring({"s", {0, -1, {}}, {}, 1}),
-            "spring 's' has both ends where nothing can move, expected one on a body that moves");
+            "spring 's' has both ends where nothing can move, expected an end on a body that moves");
   EXPECT_EQ(spring({"s", {}, a, 1}), "");  // the ends are exchanged
   EXPECT_EQ(s.scene.springs[0].A.robot, 0);
   EXPECT_EQ(refusal([&] { add_joint_spring(s.scene, "a", "slide", -3); }),
-            "joint 'slide' of robot 'a' has a stiffness that is not 0 or more");
+            "joint 'slide' of robot 'a' has a stiffness that is not 0 or more, expected a finite number of 0 or more");
   EXPECT_NE(refusal([&] { add_joint_spring(s.scene, "a", "slip", 3); }), "");
 
   SceneData data(s.scene);
   data.wrenches.clear();
   EXPECT_EQ(refusal([&] { (void)solve(s.scene, s.q, s.v, s.u, data); }),
-            "solve: data.wrenches has 0 wrenches, the scene expects 1");
+            "solve: data.wrenches has 0 wrenches, the scene has 1");
   data.wrenches.resize(1, Vec6<double>::Zero());
   Scene moved = s.scene;
   moved.wrenches[0].at = b;

@@ -352,7 +352,8 @@ TEST(Batch, WrongSizesAndOtherScenesAreRefused) {
   refused([&] { vjp_batch(scene, s.view(), x.WA, x.WF, batch, x.WQ, x.WV, x.WU, x.WU, x.status); }, "WW is 3 x 32");
   refused([&] { solve_batch(other.scene, s.view(), batch, x.A, x.F, x.status); }, "the data do not fit the scene");
   batch.active.push_back(1);
-  refused([&] { solve_batch(scene, s.view(), batch, x.A, x.F, x.status); }, "3 active flags for 2 contacts");
+  refused([&] { solve_batch(scene, s.view(), batch, x.A, x.F, x.status); },
+          "batch.active has 3 flags, the scene has 2 contacts");
 }
 
 TEST(Batch, ASecondCallAllocatesNothing) {

@@ -189,7 +189,7 @@ TEST_F(BadInput, Robots) {
       {"", "<lock joint=\"r\"/>", 4, "<lock> has no attribute 'at'"},
       {"", "<lock at=\"1\"/>", 4, "<lock> has no attribute 'joint'"},
       {"", "<lock joint=\"r\" at=\"x\"/>", 4, "'x' is not a number"},
-      {"", "<lock joint=\"x\" at=\"0\"/>", 4, "the robot has no joint 'x' to lock"},
+      {"", "<lock joint=\"x\" at=\"0\"/>", 4, "the robot has no joint 'x' that could be locked"},
       {"", "<lock joint=\"f\" at=\"0\"/>", 4, "joint 'f' is fixed"},
       {"", "<lock joint=\"p\" at=\"0\"/>", 4, "joint 'p' has several coordinates"},
       {"", "<lock joint=\"r\" at=\"0\"/>\n<lock joint=\"r\" at=\"1\"/>", 5, "joint 'r' has a second <lock>"},
@@ -202,7 +202,7 @@ TEST_F(BadInput, Robots) {
       {"", "<u>1 2 <b/> 3 4</u>", 4, "<u> contains an element <b>, expected numbers"},
       {"", "<u a=\"1\">1 2 3 4</u>", 4, "<u> has an unknown attribute 'a', expected none"},
       {"", "<u>1 2 3 4</u>\n<u>1 2 3 4</u>", 5, "robot 'a' has a second <u>"},
-      {"", "<u>1 2 3 4</u>\n<joint name=\"r\" u=\"1\"/>", 5, "joint 'r' has u=, and <u> gives it too"},
+      {"", "<u>1 2 3 4</u>\n<joint name=\"r\" u=\"1\"/>", 5, "joint 'r' has u=, and <u> also gives this value"},
       {"", "<q>0 0 0 0 0 0 1.00001 0 0 0 0</q>", 4, "expected a unit quaternion"},
       {"", "<q>0 0 0 0 0 0 0 0 0 0 0</q>", 4, "has length 0"},
       {"", "<joint name=\"root\" q=\"0 0 0 1 0 0 1\"/>", 4, "expected a unit quaternion"},
@@ -256,8 +256,7 @@ TEST_F(BadInput, NamesOfNeighbours) {
            "/>\n<robot name=\"b\" urdf=\"good.urdf\" copies=\"2\"/></scene>";
   };
   for (const char* name : {"b-1", "b-007"})
-    expect_scene_error(scene_with(name), 2,
-                       "has a name that is reserved for neighbours among copies, expected no name");
+    expect_scene_error(scene_with(name), 2, "has a name that is reserved for neighbours among copies, expected a name");
   for (const char* name : {"b-1", "b-"})
     expect_scene_error(scene_with(name, " copies=\"3\""), 2, "has a name that is reserved for neighbours among copies");
   for (const char* name : {"a-1", "b-", "b-x", "b-1x", "-1"})
@@ -302,7 +301,7 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="x/b")", "there is no robot 'x', expected one of 'a', 'h', 'g'"},
       {R"(name="c" type="3d" frame="h2/b")", "there is no robot 'h2'"},
       {R"(name="c" type="3d" frame="a/x")", "robot 'a' has no frame 'x', expected one of 'a', 'b', 'c', 'd'"},
-      {R"(name="c" type="3d" frame="h+1/b")", "expected it without +k or -k"},
+      {R"(name="c" type="3d" frame="h+1/b")", "expected a name without +k or -k"},
       {R"(name="c" type="3d" frame="a/b" to="a/b")", "contact 'c' ties frame 'b' of robot 'a' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h/b")", "contact 'c0' ties frame 'b' of robot 'h0' to itself"},
       {R"(name="c" type="3d" frame="h/b" to="h+2/b" wrap="true")", "contact 'c0' ties frame 'b' of robot 'h0' to it"},
@@ -313,9 +312,9 @@ TEST_F(BadInput, Contacts) {
       {R"(name="c" type="3d" frame="h/a" to="h+1/a")", "frame 'a' of robot 'h0', which cannot move, to the world"},
       {R"(name="c" type="1d" frame="a/b" axis="1e-10 0 0")", "contact 'c' has a zero axis, expected a direction"},
       {R"(name="c" type="3d" frame="a/b" to="y/b")", "there is no robot 'y'"},
-      {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one of them"},
-      {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one of them"},
-      {R"(name="c" type="3d" frame="h/b" to="g/b")", "of 3 copies, expected 2 as in 'frame'"},
+      {R"(name="c" type="3d" frame="a/b" to="h/b")", "all copies of a robot, expected one copy"},
+      {R"(name="c" type="3d" frame="h0/b" to="h+1/b")", "all copies of a robot, expected one copy"},
+      {R"(name="c" type="3d" frame="h/b" to="g/b")", "on 3 copies, expected 2 copies as in 'frame'"},
       {R"(name="c" type="3d" frame="h/b" to="a+1/b")", "robot 'a' is not copied"},
       {R"(name="c" type="3d" frame="h/b" to="h0+1/b")", "robot 'h0' is not copied"},
       {R"(name="c" type="3d" frame="h/b" to="h+x/b")", "there is no robot 'h+x'"},
@@ -340,7 +339,8 @@ TEST_F(BadInput, Contacts) {
         "<contact " +
             std::string(c.attributes) + "/></scene>",
         5, c.says);
-  expect_scene_error("<scene>\n<contact name=\"c\" type=\"3d\" frame=\"a/b\"/></scene>", 2, "there are none");
+  expect_scene_error("<scene>\n<contact name=\"c\" type=\"3d\" frame=\"a/b\"/></scene>", 2,
+                     "there are no names to choose from");
 }
 
 // ---- URDF
@@ -371,10 +371,10 @@ TEST_F(BadInput, Urdf) {
       {4, link("c", mass("inf")), 4, "'inf' is not finite"},
       {4, link("c", mass("1", "1e999")), 4, "'1e999' is too large"},
       {4, link("c", "<origin xyz=\"0 0\"/>" + mass("1")), 4, "xyz of <origin> has 2 numbers, expected 3"},
-      {3, link("b", mass("-2")), 3, "link 'b' and what is merged into it have the mass -2 kg"},
+      {3, link("b", mass("-2")), 3, "link 'b', with the links merged into this link, has the mass -2 kg"},
       {3, link("b", mass("1", "-3")), 3, "the principal moment of inertia -3 kg m^2 (trace -1)"},
-      {4, link("c", mass("1", "-3")), 3, "link 'b' and what is merged into it"},
-      {3, link("b", "<origin xyz=\"1e200 0 0\"/>" + mass("1e200")), 3, "an inertia too large to compute with"},
+      {4, link("c", mass("1", "-3")), 3, "link 'b', with the links merged into this link, has"},
+      {3, link("b", "<origin xyz=\"1e200 0 0\"/>" + mass("1e200")), 3, "an inertia that is too large for computation"},
       {6, joint(R"(type="fixed")"), 6, "<joint> has no attribute 'name'"},
       {6, joint(R"(name="f" type="fixed")"), 7, "joint 'f' exists already on line 6"},
       {6, joint(R"(name="r")"), 6, "<joint> has no attribute 'type'"},
@@ -392,7 +392,7 @@ TEST_F(BadInput, Urdf) {
       {6, joint(r, "<origin rpy=\"0 0 ${x}\"/>"), 6, "'${x}' is not a number"},
       {6, joint(r, "<dynamics damping=\"x\"/>"), 6, "'x' is not a number"},
       {6, joint(r, "<mimic/>"), 6, "<mimic> has no attribute 'joint'"},
-      {6, "", 3, "link 'b' has no parent, nor has link 'a', expected one root"},
+      {6, "", 3, "link 'b' has no parent, and link 'a' has no parent either, expected one root"},
       {6, joint(r, "", "d"), 7, "joint 'f' closes a cycle through link 'b'"},
       {6, joint(r, "", "b"), 6, "joint 'r' closes a cycle through link 'b'"},
       {8, joint(R"(name="p" type="planar")", "", "a", "c"), 8,
@@ -479,13 +479,14 @@ TEST_F(BadInput, DamagedFiles) {
 TEST_F(BadInput, Poses) {
   const std::string robot = "<scene><robot name=\"r\" urdf=\"good.urdf\"/>\n";
   expect_scene_error(robot + "<pose frame=\"r/b\"/></scene>", 2,
-                     "requires nothing, expected xyz, rpy or any of x, y, z");
+                     "gives no coordinate, expected xyz, rpy or any of x, y, z");
   expect_scene_error(robot + "<pose z=\"0\"/></scene>", 2, "frame");
   expect_scene_error(robot + "<pose frame=\"r/e\" z=\"0\"/></scene>", 2, "robot 'r' has no frame 'e'");
   expect_scene_error(robot + "<pose frame=\"b\" z=\"0\"/></scene>", 2, "expected robot/link");
-  expect_scene_error(robot + "<pose frame=\"r/a\" z=\"0\"/></scene>", 2, "which cannot move, expected one that does");
+  expect_scene_error(robot + "<pose frame=\"r/a\" z=\"0\"/></scene>", 2,
+                     "which cannot move, expected a frame that moves");
   expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 0 1\"\n z=\"0\"/></scene>", 3,
-                     "is given with xyz, expected one of them");
+                     "is given with xyz, expected only one of the two");
   expect_scene_error(robot + "<pose frame=\"r/b\" yaw=\"1\" rpy=\"0 0 1\"/></scene>", 2, "is given with rpy");
   expect_scene_error(robot + "<pose frame=\"r/b\" z=\"low\"/></scene>", 2, "low");
   expect_scene_error(robot + "<pose frame=\"r/b\" xyz=\"0 1\"/></scene>", 2, "has 2 numbers, expected 3");
@@ -493,7 +494,7 @@ TEST_F(BadInput, Poses) {
   expect_scene_error(
       "<scene><robot name=\"r\" urdf=\"good.urdf\" base=\"floating\" copies=\"2\"/>\n<pose frame=\"r+1/b\" "
       "z=\"0\"/></scene>",
-      2, "expected it without +k or -k");
+      2, "expected a name without +k or -k");
 }
 
 TEST_F(BadInput, PushesAndSprings) {

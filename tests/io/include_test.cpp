@@ -90,11 +90,11 @@ TEST_F(Include, MistakesNameFileAndLine) {
   write("one.xml", robot("a"));
   expect_problem("one.xml:2: ", "exists already on line 2 of " + (folder_ / "scene.xml").string());
   write("one.xml", robot("b"), " gravity=\"0 0 -1.62\"");
-  expect_problem("one.xml:1: ", "gravity differs from that of the including scene");
+  expect_problem("one.xml:1: ", "gravity differs from the gravity of the including scene");
   write("one.xml", robot("b"), " damping=\"1e-6\"");
-  expect_problem("one.xml:1: ", "damping differs from that of the including scene");
+  expect_problem("one.xml:1: ", "damping differs from the value in the including scene");
   write("one.xml", robot("b"), " tolerance=\"1e-6\"");
-  expect_problem("one.xml:1: ", "tolerance differs from that of the including scene");
+  expect_problem("one.xml:1: ", "tolerance differs from the value in the including scene");
   write("one.xml", robot("b"), " consistent=\"true\"");
   expect_problem("one.xml:1: ", "consistent=\"true\" is missing in the including scene");
   write("one.xml", robot("b"), " consistent=\"yes\"");

@@ -71,8 +71,8 @@ TEST_F(OddUrdf, LimitsThatBoundNothing) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   const Case cases[] = {
       {"revolute", R"(<limit lower="-1" upper="2" velocity="3" effort="4"/>)", -1, 2, 3, 4, ""},
-      {"revolute", "", -inf, inf, inf, inf, "no <limit>, taken as no limits"},
-      {"prismatic", "", -inf, inf, inf, inf, "no <limit>, taken as no limits"},
+      {"revolute", "", -inf, inf, inf, inf, "the joint has no <limit> and is taken as unlimited"},
+      {"prismatic", "", -inf, inf, inf, inf, "the joint has no <limit> and is taken as unlimited"},
       {"continuous", "", -inf, inf, inf, inf, ""},
       {"revolute", R"(<limit lower="-Inf" upper="Inf" velocity="3" effort="4"/>)", -inf, inf, 3, 4,
        "lower -Inf, upper Inf"},
@@ -84,11 +84,13 @@ TEST_F(OddUrdf, LimitsThatBoundNothing) {
       {"revolute", R"(<limit lower="2" upper="1" velocity="3" effort="4"/>)", -inf, inf, 3, 4, "lower 2 above upper 1"},
       {"revolute", R"(<limit lower="2" velocity="3" effort="4"/>)", -inf, inf, 3, 4, "lower 2 above upper 0"},
       {"revolute", R"(<limit upper="2" velocity="3" effort="4"/>)", 0, 2, 3, 4,
-       "taken as 0, as URDF has it: lower missing"},
+       "<limit> lacks lower, which is 0 by URDF's default"},
       {"revolute", R"(<limit velocity="3" effort="4"/>)", -inf, inf, 3, 4,
-       "taken as no limit: lower missing, upper missing"},
-      {"continuous", R"(<limit effort="4"/>)", -inf, inf, inf, 4, "taken as no limit: velocity missing"},
-      {"continuous", R"(<limit velocity="4"/>)", -inf, inf, 4, inf, "taken as no limit: effort missing"},
+       "<limit> has no lower, no upper, where the joint is taken as unlimited"},
+      {"continuous", R"(<limit effort="4"/>)", -inf, inf, inf, 4,
+       "<limit> has no velocity, where the joint is taken as unlimited"},
+      {"continuous", R"(<limit velocity="4"/>)", -inf, inf, 4, inf,
+       "<limit> has no effort, where the joint is taken as unlimited"},
       {"continuous", "<limit/>", -inf, inf, inf, inf, "effort missing, velocity missing"},
       {"continuous", R"(<limit lower="-Inf" upper="nan" velocity="5" effort="4"/>)", -inf, inf, 5, 4, ""},
       {"prismatic", R"(<limit lower="-1" upper="1" velocity="-1" effort="-0.5"/>)", -1, 1, inf, inf,
@@ -112,11 +114,11 @@ TEST_F(OddUrdf, InertiasHalfThere) {
   const Read mass = model("continuous", "", "<inertial><mass value=\"3\"/></inertial>");
   EXPECT_EQ(mass.model.joints[0].inertia.m, 3);
   EXPECT_TRUE(mass.model.joints[0].inertia.I.isZero(0));
-  EXPECT_EQ(told(mass) + ": " + text(mass), "inertia b:4: <inertial> lacks inertia, taken as 0\n");
+  EXPECT_EQ(told(mass) + ": " + text(mass), "inertia b:4: <inertial> lacks inertia; missing values are taken as 0\n");
   const Read diagonal =
       model("continuous", "", "<inertial><mass value=\"\n3 \"/><inertia ixx=\"1\" iyy=\"2\" izz=\"2\"/></inertial>");
   EXPECT_EQ(diagonal.model.joints[0].inertia.I, Mat3<double>(Vec3<double>(1, 2, 2).asDiagonal()));
-  EXPECT_EQ(text(diagonal), "<inertial> lacks ixy, ixz, iyz, taken as 0\n");
+  EXPECT_EQ(text(diagonal), "<inertial> lacks ixy, ixz, iyz; missing values are taken as 0\n");
   const Read rotor = model("continuous", "", "<inertial><inertia ixx=\"1\" iyy=\"0\" izz=\"0\"/></inertial>");
   EXPECT_EQ(rotor.model.joints[0].inertia.m, 0);
   EXPECT_EQ(rotor.model.joints[0].inertia.I(0, 0), 1);
@@ -184,7 +186,7 @@ TEST_F(OddUrdf, XacroIsRefused) {
   const std::string other = folder_.write(
       "other.urdf",
       "<robot name=\"r\" xmlns:x=\"http://www.ros.org/wiki/xacro\">\n<link name=\"a\"/>\n<x:leg/></robot>");
-  EXPECT_EQ(refusal(other).find("3: <x:leg> is xacro"), 0u);
+  EXPECT_EQ(refusal(other).find("3: <x:leg> is an element of xacro"), 0u);
   // output of an xacro run
   EXPECT_EQ(
       refusal(folder_.write("expanded.urdf",
@@ -201,7 +203,8 @@ TEST_F(OddUrdf, XacroInShapesIsTold) {
         "shapes.urdf", "<robot name=\"r\">\n<link name=\"a\">\n" + std::string(inside) + "</link></robot>"));
     ASSERT_EQ(read.findings.size(), 1u) << inside;
     EXPECT_EQ(read.findings[0].kind, "unread");
-    EXPECT_NE(read.findings[0].text.find("is ignored: xacro left it"), std::string::npos) << read.findings[0].text;
+    EXPECT_NE(read.findings[0].text.find("is ignored: xacro did not replace this element"), std::string::npos)
+        << read.findings[0].text;
   }
 }
 
@@ -254,7 +257,7 @@ TEST_F(OddUrdf, SharedReports) {
   EXPECT_EQ(kinds("floating_in_urdf/scene_gravity.xml"), "passive q/base_to_world, ");
   EXPECT_EQ(kinds("floating_in_urdf/scene_twice.xml"), "base q/base_to_world, passive q/base_to_world, ");
   EXPECT_EQ(kinds("loop_joint/scene.xml"), "unread f/close, unread f/drake:ball_constraint, unread f/t, ");
-  EXPECT_EQ(refusal(reports + "xacro/arm.urdf.xacro").find("3: <xacro:include> is xacro"), 0u);
+  EXPECT_EQ(refusal(reports + "xacro/arm.urdf.xacro").find("3: <xacro:include> is an element of xacro"), 0u);
 }
 
 }  // namespace

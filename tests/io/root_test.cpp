@@ -194,7 +194,7 @@ TEST(Root, ThatCannotBeIsRefused) {
       EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
     }
   };
-  refused("hnad", "no link 'hnad' for its root");
+  refused("hnad", "no link 'hnad' for the root");
   refused("ball", "joint 'y_ball' has several coordinates and is between the file's root 'trunk' and 'ball'");
 }
 

@@ -86,7 +86,7 @@ TEST(Names, UnknownOnesAreRefusedWithASuggestion) {
   expect_refused("r0", "kneee", "robot 'r0': the robot has no joint 'kneee', expected one of 'root', 'knee', 'sledge'");
   expect_refused("r0", "neck", "robot 'r0': joint 'neck' is locked");
   expect_refused("r1", "stand", "robot 'r1': joint 'stand' is fixed");
-  expect_refused("r2", "knee", "there are none");
+  expect_refused("r2", "knee", "there are no names to choose from");
 }
 
 TEST(Names, AFloatingBaseHasNoTorques) {

@@ -179,9 +179,9 @@ TEST_F(SceneOfTwo, BodiesThatCannotBeHeldTogether) {
                 "contact 'c' fixes frame 'top' of robot 'table', which cannot move, to the world");
   expect_says(refused(between({0, 0, {}}, {0, 0, random_placement(rng)})), "ties joint 'hinge' of robot 'table'");
   expect_says(refused(between({0, -1, {}}, world)), "fixes the base of robot 'table', which cannot move");
-  expect_says(refused(between({3, 0, {}}, world)), "names robot 3 of 3");
-  expect_says(refused(between({0, 1, {}}, world)), "names joint 1 of 1");
-  expect_says(refused(between({1, -1, {}}, world)), "names the fixed base of robot 'ball', which has a floating one");
+  expect_says(refused(between({3, 0, {}}, world)), "names robot 3, expected a number from -1 to 2");
+  expect_says(refused(between({0, 1, {}}, world)), "names joint 1, expected a number from -1 to 0");
+  expect_says(refused(between({1, -1, {}}, world)), "names the fixed base of robot 'ball', which has a floating base");
   EXPECT_EQ(refused(between(lid, on("other", "lid"))), "");
   expect_says(refused(between(lid, world)), "contact 'c' exists already");
 }

@@ -54,7 +54,7 @@ def test_near_names(package):
 def test_other_formats_and_downloads(package):
     with pytest.raises(mc.InputError, match="no URDF of 'cat'"):
         mc.load_description("cat")
-    with pytest.raises(mc.InputError, match="no URDF of 'cow', only a xacro file, cow.xacro: expand it"):
+    with pytest.raises(mc.InputError, match="no URDF of 'cow', only a xacro file, cow.xacro: expand the file"):
         mc.load_description("cow")
     with pytest.raises(RuntimeError, match="'far' could not be loaded.*OSError: git: no route to host"):
         mc.load_description("far")

@@ -162,7 +162,7 @@ def test_costs_without_derivatives_say_so(state):
     model = dynamics(state, stack(state, Own(state)))
     data = model.createData()
     model.calc(data, state.zero(), np.zeros(state.nv))
-    with pytest.raises(ValueError, match="a calcDiff is expected"):
+    with pytest.raises(ValueError, match="define calcDiff"):
         model.calcDiff(data, state.zero(), np.zeros(state.nv))
 
 
@@ -326,7 +326,7 @@ def test_quasi_static_of_nodes(state):
     node = Own(mc.StateVector(4), 2)
     problem = mc.ShootingProblem(np.zeros(4), [node], node)
     np.testing.assert_array_equal(problem.quasiStatic([np.zeros(4)])[0], [7, 7])
-    with pytest.raises(ValueError, match="action data are not of their model"):
+    with pytest.raises(ValueError, match="action data belong to another model"):
         mc.ShootingProblem(np.zeros(4), [Strict(mc.StateVector(4), 2)], node)
 
 

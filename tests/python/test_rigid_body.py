@@ -237,7 +237,7 @@ def test_what_does_not_fit(scene):
     model = scene.robots["r1"].model
     for call, says in [
         (lambda: mc.rnea(scene, q, v[1:], a), "v has"),
-        (lambda: mc.rnea(model, q[:7], v[:7], a[:7], data), "the data are of other robots"),
+        (lambda: mc.rnea(model, q[:7], v[:7], a[:7], data), "the data belong to other robots"),
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 6))), "fext has 2 forces"),
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 5))), "shape"),
         (lambda: mc.frame_velocity(scene, data, "r0/lft_hand"), "left_hand"),
@@ -346,8 +346,8 @@ def test_place():
     assert not far.met() and far.left[2].position > 1 and far.left[0].position < far.left[2].position
     assert mc.limits_passed(scene, far.q, np.zeros(scene.nv), np.zeros(scene.nu)) == []
     for call, says in [
-        (lambda: mc.pose_goal(scene, "left_sole", mc.SE3(), position=(0, 0, 0)), "one or the other"),
-        (lambda: mc.pose_goal(scene, "left_sole", position=(0, 0)), "three numbers"),
+        (lambda: mc.pose_goal(scene, "left_sole", mc.SE3(), position=(0, 0, 0)), "either placement, or position"),
+        (lambda: mc.pose_goal(scene, "left_sole", position=(0, 0)), "three entries"),
         (lambda: mc.place(scene, mc.neutral(scene), [mc.joint_goal(scene, "root", 0)]), "several coordinates"),
     ]:
         with pytest.raises(ValueError) as error:

@@ -112,11 +112,11 @@ def test_what_changes_under_data_in_use(humanoid):
 @pytest.mark.parametrize(
     "bad, text",
     [
-        (lambda f, d: mc.solve(f.scene, f.q[:3], f.v, f.u, d), "solve: q has 3 numbers, the scene expects 39"),
+        (lambda f, d: mc.solve(f.scene, f.q[:3], f.v, f.u, d), "solve: q has 3 numbers, expected 39"),
         (lambda f, d: mc.solve(f.scene, f.q[:, None], f.v, f.u, d), r"not an array of shape \(39, 1\)"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v, f.u * np.nan, d), r"u\[0\] is nan, a finite number is expected"),
         (lambda f, d: mc.solve(f.scene, f.q, f.v - np.inf, f.u, d), r"v\[0\] is -inf"),
-        (lambda f, d: mc.differentiate(f.scene, d), "differentiate: solve first"),
+        (lambda f, d: mc.differentiate(f.scene, d), "differentiate: there is no solution, call solve first"),
         (lambda f, d: mc.contact_force(f.scene, d, "lft"), "'left', 'right'"),
         (lambda f, d: mc.SE3(np.ones((3, 3))), "not a rotation"),
         (lambda f, d: mc.SE3(np.ones((3, 4))), r"shape \(3, 3\) is expected, not of \(3, 4\)"),
@@ -158,7 +158,7 @@ def test_findings(tmp_path):
     file = mc.load_scene_text('<scene><robot name="x" urdf="arm.urdf"/></scene>', str(tmp_path / "scene.xml"))
     assert [(f.kind, f.name, f.line) for f in file.findings] == [("inertia", "x/b", 2), ("limits", "x/j", 3)]
     assert file.findings[1].file == str(urdf)
-    assert file.findings[1].text == "taken as no limit: velocity missing, lower -Inf, upper Inf"
+    assert file.findings[1].text == "<limit> has no velocity, lower -Inf, upper Inf, where the joint is taken as unlimited"
     assert "arm.urdf:2: inertia: x/b: " in repr(file.findings[0])
     assert [f.name for f in mc.urdf_findings(str(urdf))] == ["b", "j"]
     assert np.isinf(mc.load_urdf(str(urdf)).joints[0].upper[0])

@@ -67,7 +67,7 @@ def test_a_batch_has_pd_laws_and_refuses_what_does_not_fit(standing):
     for bad in (u[:2], u[0], np.full_like(u, np.nan)):
         with pytest.raises(ValueError):
             mc.step_batch(scene, bad, batch)
-    with pytest.raises(ValueError, match="no such state"):
+    with pytest.raises(ValueError, match="number of the state"):
         mc.set_state(scene, 3, q[0], v[0], batch)
     with pytest.raises(ValueError):
         mc.SimulationBatch(scene, q[:2], v, "rk4", H)

@@ -73,7 +73,7 @@ TEST_F(BadTask, Structure) {
           "true in the first phase");
   refused(write(head() +
                 "<phase nodes=\"1\" contacts=\"lf rf\"/>\n<phase nodes=\"1\" contacts=\"lf\" impact=\"true\"/></task>"),
-          2, "expected one that closes");
+          2, "expected a contact that closes");
   refused(
       write(head() + "<phase nodes=\"1\" contacts=\"lf\"/>\n<phase nodes=\"1\" contacts=\"rf\" impact=\"1\"/></task>"),
       2, "impact of <phase> is '1'");
@@ -90,7 +90,7 @@ TEST_F(BadTask, Terms) {
   bad_term(R"(<cost type="state"/>)", "no attribute 'name'");
   bad_term(R"(<cost name="c" type="stat"/>)", "'stat', did you mean 'state'?");
   bad_term(R"(<cost name="c" type="state" wieght="1"/>)", "unknown attribute 'wieght'");
-  bad_term(R"(<cost name="c" type="state" mu="1"/>)", "mu of <cost> does not go with type state");
+  bad_term(R"(<cost name="c" type="state" mu="1"/>)", "mu of <cost> cannot be combined with type state");
   bad_term(R"(<cost name="c" type="state" weight="-1"/>)", "expected 0 or more");
   bad_term(R"(<cost name="c" type="state" weight="x"/>)", "weight of <cost>");
   bad_term(R"(<cost name="c" type="state" weights="1 2"/>)", "has 2 numbers, expected 50");
@@ -113,7 +113,7 @@ TEST_F(BadTask, Terms) {
   bad_term(R"(<cost name="c" type="state" activation="quadd"/>)", "activation of <cost> is 'quadd'");
   bad_term(R"(<cost name="c" type="com" reference="0 0 0" activation="weighted_quad"/>)", "no attribute 'weights'");
   bad_term(R"(<cost name="c" type="com" reference="0 0 0" activation="quadratic_barrier"/>)", "has no bounds");
-  bad_term(R"(<cost name="c" type="com" reference="0 0 0" lower="0 0 0"/>)", "expected it with barriers only");
+  bad_term(R"(<cost name="c" type="com" reference="0 0 0" lower="0 0 0"/>)", "expected bounds only with a barrier");
   bad_term(R"(<constraint name="c" type="com" reference="0 0 0"/>)", "has no bounds");
   bad_term(R"(<constraint name="c" type="com" reference="0 0 0" lower="0 1" upper="0 0 0"/>)", "expected 3");
   bad_term(R"(<constraint name="c" type="com" reference="0 0 0" lower="0 1 0" upper="0 0 0"/>)", "lower <= upper");
@@ -162,7 +162,8 @@ TEST_F(BadTask, EveryTermIsMade) {
 }
 
 TEST_F(BadTask, ExternalWrenches) {
-  bad_term(R"(<push name="wind" force="1 0 0"/>)", "there is no external wrench 'wind' in the scene, there are none");
+  bad_term(R"(<push name="wind" force="1 0 0"/>)",
+           "there is no external wrench 'wind' in the scene, since there are no names to choose from");
   bad_term(R"(<push force="1 0 0"/>)", "<push> has no attribute 'name'");
   refused(write(head() + "\n<phase nodes=\"3\" contacts=\"\"/>\n<terminal>\n<push name=\"x\"/></terminal></task>"), 4,
           "<push>");

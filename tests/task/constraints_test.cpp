@@ -120,9 +120,9 @@ TEST_F(Constraints, ThatCannotHoldAreReported) {
   EXPECT_FALSE(s.converged);
   if (!kSanitized) {  // rounding decides at which of its nonsensical motions it ends
     EXPECT_GT(s.constraint_violation, 1);
-    EXPECT_EQ(s.reason.rfind("no step; constraints are missed: there, by ", 0), 0u) << s.reason;
+    EXPECT_EQ(s.reason.rfind("no step; violated constraints: there, by ", 0), 0u) << s.reason;
   }
-  EXPECT_NE(s.reason.find("; constraints are missed: there, by "), std::string::npos) << s.reason;
+  EXPECT_NE(s.reason.find("; violated constraints: there, by "), std::string::npos) << s.reason;
   ASSERT_EQ(s.violations.size(), 1u);
   EXPECT_EQ(s.violations[0].constraint, "there");
   EXPECT_EQ(s.violations[0].by, s.constraint_violation);
@@ -143,7 +143,7 @@ TEST_F(Constraints, ThatAreOutOfReachAreReportedSoon) {
   const TaskSolution s = solved(task);
   EXPECT_FALSE(s.converged);
   EXPECT_GT(s.constraint_violation, 0.5);
-  EXPECT_EQ(s.reason.rfind("no step; constraints are missed: there, by ", 0), 0u) << s.reason;
+  EXPECT_EQ(s.reason.rfind("no step; violated constraints: there, by ", 0), 0u) << s.reason;
   EXPECT_LT(s.iterations.size(), 180u);
 }
 

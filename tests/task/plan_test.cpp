@@ -425,7 +425,7 @@ TEST(Plans, NameTheJointsThatMakeDynamicsFail) {
           ASSERT_EQ(s.failures.size(), 1u) << solver << " " << integrator << " " << s.reason;
           EXPECT_EQ(s.failures[0].node, 4 * k);
           EXPECT_EQ(s.failures[0].name, "q/root");
-          EXPECT_NE(s.reason.find("q/root: its bodies lack mass"), std::string::npos) << s.reason;
+          EXPECT_NE(s.reason.find("q/root: the joint's bodies lack mass"), std::string::npos) << s.reason;
           const auto findings = plan_findings(task, s, {});
           ASSERT_FALSE(findings.empty());
           EXPECT_EQ(findings[0].kind, "no_inertia");

@@ -80,7 +80,7 @@ TEST(PoseReference, ThatIsNoneIsRefused) {
     }
   };
   const std::string pose = "<pose frame='humanoid/pelvis' z='0.7'/>";
-  refused("<cost name='a' type='state' reference='pose'/>", "expected <pose> elements in it");
+  refused("<cost name='a' type='state' reference='pose'/>", "expected <pose> elements in <cost>");
   refused("<cost name='a' type='state'>" + pose + "</cost>", "without reference=\"pose\"");
   refused("<cost name='a' type='control' reference='pose'>" + pose + "</cost>", "without reference=\"pose\"");
   refused(state("<pose frame='humanoid/pelvsi' z='1'/>"), "pelvsi");

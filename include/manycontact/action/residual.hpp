@@ -129,7 +129,7 @@ void check_reference(const char* who, const Reference& now, const Reference& nex
     check_size(who, "the reference", next.size(), static_cast<std::size_t>(now.size()));
   else if constexpr (requires { now.get_nf(); })
     require(next.get_nf() == now.get_nf(), who,
-            "the reference has nf = " + std::to_string(next.get_nf()) + ", " + std::to_string(now.get_nf()) +
+            "the reference has nf = " + std::to_string(next.get_nf()) + ", nf = " + std::to_string(now.get_nf()) +
                 " as before is expected");
 }
 

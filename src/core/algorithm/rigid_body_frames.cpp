@@ -212,9 +212,11 @@ const Frame* child_behind(const Model& model, int joint) {
 Vec6d joint_wrench(const RigidBodies& bodies, const RigidBodyData& data, const BodyJoint& joint) {
   RigidBodyMemory& m = memory_of("joint_wrench", bodies, data);
   const auto [robot, of] = owner_of("joint_wrench", bodies, m, joint.robot, joint.joint);
-  if (!robot || joint.joint < 0) throw std::invalid_argument("joint_wrench: the world carries no joint");
+  if (!robot || joint.joint < 0)
+    throw std::invalid_argument("joint_wrench: the world has no joint, a joint of a robot is expected");
   if (!m.carries)
-    throw std::logic_error("joint_wrench: rnea, nonlinear_effects or gravity_torques has to be called before");
+    throw std::logic_error(
+        "joint_wrench: the data have no forces, call rnea, nonlinear_effects or gravity_torques first");
   const Vec6d& on_subtree = of->f[joint.joint];
   const Frame* child = child_behind(*robot->model, joint.joint);
   if (!child) return of->kin.oMi[joint.joint].inverse().act_force(on_subtree);

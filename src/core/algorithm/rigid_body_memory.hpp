@@ -46,7 +46,9 @@ inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodie
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();
   for (std::size_t r = 0; fits && r < robots.size(); ++r) fits = data.memory->robots[r].model == robots[r].model.get();
-  if (!fits) throw std::invalid_argument(std::string(function) + ": the data are of other robots, make data of these");
+  if (!fits)
+    throw std::invalid_argument(std::string(function) +
+                                ": the data belong to other robots, make data for these robots");
   return *data.memory;
 }
 

@@ -22,7 +22,7 @@ AppliedPower power_of(const Scene& scene, const AppliedForces<double>& forces) {
 }
 
 double spring_length(const Scene& scene, const ConstVectorRef& q, const Spring& spring) {
-  if (q.size() != scene.nq) throw std::invalid_argument("spring_length: q does not fit the scene");
+  if (q.size() != scene.nq) throw std::invalid_argument("spring_length: q has a wrong size, nq numbers are expected");
   const auto end = [&](const Attachment& at) {
     if (at.robot < 0) return spring_end<double>(at, nullptr);
     const Robot& robot = scene.robots[static_cast<std::size_t>(at.robot)];

@@ -71,7 +71,8 @@ std::vector<Vec6<double>> contact_forces_on_bodies(const Scene& scene, const Con
               static_cast<Eigen::Index>(scene.contacts.size()));
   for (std::size_t c = 0; c < f_offset.size(); ++c)
     if (f_offset[c] + scene.contacts[c].rows() > f.size() && f_offset[c] >= 0)
-      throw std::invalid_argument(std::string(name) + ": f does not fit f_offset");
+      throw std::invalid_argument(std::string(name) +
+                                  ": f has fewer numbers than f_offset requires, both of one solve are expected");
   std::vector<int> first;  // one entry per robot: the number of its first body
   int bodies = 0;
   for (const Robot& robot : scene.robots) {

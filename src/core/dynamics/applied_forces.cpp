@@ -17,7 +17,7 @@ bool forces_are_applied(const Workspace& w) { return w.applied && w.applied->act
 void check_pushes(const Scene& scene, const SceneData& data, const char* function) {
   if (data.wrenches.size() != scene.wrenches.size() && has_applied_forces(scene))
     throw std::invalid_argument(std::string(function) + ": data.wrenches has " + std::to_string(data.wrenches.size()) +
-                                " wrenches, the scene expects " + std::to_string(scene.wrenches.size()));
+                                " wrenches, the scene has " + std::to_string(scene.wrenches.size()));
 }
 
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau) {

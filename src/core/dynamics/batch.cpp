@@ -110,11 +110,12 @@ void check(const char* function, const Scene& scene, const BatchStates& s, const
            std::span<Status> status) {
   for (const BatchData::Thread& thread : batch.threads) internal::check_scene(scene, thread.data, function);
   if (batch.active.size() != scene.contacts.size())
-    throw std::invalid_argument(std::string(function) + ": " + std::to_string(batch.active.size()) +
-                                " active flags for " + std::to_string(scene.contacts.size()) + " contacts");
+    throw std::invalid_argument(std::string(function) + ": batch.active has " + std::to_string(batch.active.size()) +
+                                " flags, the scene has " + std::to_string(scene.contacts.size()) + " contacts");
   if (batch.wrenches.size() != scene.wrenches.size())
-    throw std::invalid_argument(std::string(function) + ": batch.wrenches has " + std::to_string(batch.wrenches.size()) +
-                                " wrenches, the scene expects " + std::to_string(scene.wrenches.size()));
+    throw std::invalid_argument(std::string(function) + ": batch.wrenches has " +
+                                std::to_string(batch.wrenches.size()) + " wrenches, the scene has " +
+                                std::to_string(scene.wrenches.size()));
   const Eigen::Index count = s.q.rows();
   check(function, "q", s.q, count, scene.nq);
   check(function, "v", s.v, count, scene.nv);

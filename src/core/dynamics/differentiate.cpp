@@ -15,7 +15,8 @@ namespace manycontact {
 
 void IslandDerivatives::check() const {
   if (!stamp.current())
-    throw std::logic_error("derivatives of an island: the scene was solved again since, call differentiate first");
+    throw std::logic_error(
+        "derivatives of an island: the scene was solved again after differentiate, call differentiate again");
 }
 
 namespace internal {
@@ -115,7 +116,7 @@ void check_memory(const Scene& scene, const Workspace& w, const DerivativeReques
   double numbers = 0;
   for (const auto& d : w.islands) {
     if (d->answered_by(d->bodies.get()))
-      internal::check_joint_space(*d, "differentiate", ", ask for products (jvp, vjp)");
+      internal::check_joint_space(*d, "differentiate", ": use the products jvp and vjp");
     numbers += static_cast<double>(d->island.size()) * internal::columns_of(scene, d->island, request);
   }
   sparse::require_memory(kPanels * sizeof(double) * numbers);

@@ -13,7 +13,8 @@ namespace manycontact {
 namespace {
 
 const Workspace& prepared(const SceneData& data) {
-  if (!data.workspace || !data.workspace->prepared) throw std::logic_error("views of a scene's data: prepare first");
+  if (!data.workspace || !data.workspace->prepared)
+    throw std::logic_error("views of a scene's data: the data are not prepared, call prepare first");
   return *data.workspace;
 }
 
@@ -21,7 +22,8 @@ const Workspace& solver(const SceneData& data) { return *data_solved(data).works
 
 [[noreturn]] void not_there() {
   throw std::logic_error(
-      "views of a scene's data: the contact is not active, or the tree is so deep that sparse-bodies needs no K");
+      "views of a scene's data: the contact is not active, or the tree is so deep that sparse-bodies does not compute "
+      "the terms of K");
 }
 
 // Returns an island, and evaluates its terms at the state of the solution.

@@ -189,9 +189,9 @@ std::string why_chosen(const Choice& choice, const PredictedCosts& costs, const 
   if (has_order(choice.method) && !options.order)
     for (Order other : kOrders)
       if (const double cost = costs.ldl[static_cast<std::size_t>(other)]; cost < ldl)
-        text += "; " + to_string(other) + " at " + number(cost / ldl) + " of its cost is not enough cheaper";
+        text += "; " + to_string(other) + " order, at " + number(cost / ldl) + " of this cost, is not enough cheaper";
   if (options.method == Method::kAuto && costs.dense < ldl)
-    text += "; dense at " + number(costs.dense / ldl) + " of its cost is not taken, since it allocates";
+    text += "; dense, at " + number(costs.dense / ldl) + " of this cost, is not chosen, since dense allocates memory";
   return text;
 }
 

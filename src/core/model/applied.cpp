@@ -13,7 +13,9 @@ namespace {
 
 // Returns why x is invalid as the property `name` of a spring, or "" if it is valid.
 std::string problem_of_number(const char* name, double x) {
-  return x >= 0 && std::isfinite(x) ? "" : "has a " + std::string(name) + " that is not 0 or more";
+  return x >= 0 && std::isfinite(x)
+             ? ""
+             : "has a " + std::string(name) + " that is not 0 or more, expected a finite number of 0 or more";
 }
 
 template <class Named>
@@ -32,10 +34,10 @@ int add_external_wrench(Scene& scene, ExternalWrench push) {
     if (!what.empty()) throw std::invalid_argument("wrench " + quote(push.name) + " " + what);
   };
   refuse_if(problem(scene, push.at));
-  if (push.at.robot < 0) refuse_if("is on the world, expected it on a robot");
+  if (push.at.robot < 0) refuse_if("is on the world, expected a body of a robot");
   if (push.at.joint < 0)
     refuse_if("is on " + describe(scene, push.at) + ", which cannot move, expected a body that moves");
-  if (!push.wrench.allFinite()) refuse_if("has a force or torque that is not finite");
+  if (!push.wrench.allFinite()) refuse_if("has a force or torque that is not finite, expected finite numbers");
   return append(scene.wrenches, scene.wrench_index, std::move(push), "wrench ");
 }
 
@@ -49,7 +51,7 @@ int add_spring(Scene& scene, Spring spring) {
               ", which are on one body, expected two bodies");
   for (Attachment* end : {&spring.A, &spring.B}) *end = world_if_immovable(scene, std::move(*end));
   if (spring.A.robot < 0) std::swap(spring.A, spring.B);
-  if (spring.A.robot < 0) refuse_if("has both ends where nothing can move, expected one on a body that moves");
+  if (spring.A.robot < 0) refuse_if("has both ends where nothing can move, expected an end on a body that moves");
   refuse_if(problem_of_number("stiffness", spring.stiffness));
   refuse_if(problem_of_number("length", spring.length));
   refuse_if(problem_of_number("damping", spring.damping));
@@ -65,9 +67,9 @@ int add_joint_spring(Scene& scene, const std::string& robot, const std::string& 
     if (!what.empty()) throw std::invalid_argument("joint " + quote(joint) + " of robot " + quote(robot) + " " + what);
   };
   if (model.joints[spring.joint].nv() != 1)
-    refuse_if("has several coordinates, expected one that rotates about or slides along an axis");
+    refuse_if("has several coordinates, expected a joint that rotates about or slides along an axis");
   refuse_if(problem_of_number("stiffness", stiffness));
-  if (!std::isfinite(rest)) refuse_if("has a rest that is not finite");
+  if (!std::isfinite(rest)) refuse_if("has a rest position that is not finite, expected a finite number");
   scene.joint_springs.push_back(spring);
   return static_cast<int>(scene.joint_springs.size()) - 1;
 }

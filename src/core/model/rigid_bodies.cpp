@@ -11,7 +11,8 @@ RigidBodies::RigidBodies(const Scene& scene, const std::string& robot)
     : scene_(&scene), first_(robot_called(scene, robot)), count_(1) {}
 
 RigidBodies::RigidBodies(const Model& model, const SE3<double>& base, const Vec3<double>& gravity) : gravity_(gravity) {
-  if (!is_finalized(model)) throw std::invalid_argument("RigidBodies: a model that finalize() has seen is expected");
+  if (!is_finalized(model))
+    throw std::invalid_argument("RigidBodies: the model is not finalized, call finalize(model) first");
   alone_.emplace();
   alone_->name = model.name;
   alone_->model = std::shared_ptr<const Model>(std::shared_ptr<void>(), &model);  // the caller owns the model

@@ -62,7 +62,7 @@ std::vector<std::string> names_of(const std::vector<Named>& list) {
 }  // namespace
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-  if (known.empty()) return "there are none";
+  if (known.empty()) return "since there are no names to choose from";
   if (known.size() <= 8) {
     std::string list = known.size() == 1 ? "expected " : "expected one of ";
     for (std::size_t i = 0; i < known.size(); ++i) list += (i ? ", " : "") + quote(known[i]);
@@ -97,8 +97,8 @@ int contact_called(const Scene& scene, const std::string& name) {
 int contact_at(const Scene& scene, int number, const char* function) {
   const int count = static_cast<int>(scene.contacts.size());
   if (number < 0 || number >= count)
-    throw std::invalid_argument(std::string(function) + ": there is no contact " + std::to_string(number) + " of " +
-                                std::to_string(count));
+    throw std::invalid_argument(std::string(function) + ": there is no contact " + std::to_string(number) +
+                                ", the scene has " + std::to_string(count) + " contacts");
   return number;
 }
 
@@ -110,8 +110,8 @@ std::string no_joint(const Model& model, const std::string& name) {
   const auto among = [&](const std::vector<std::string>& list) {
     return std::find(list.begin(), list.end(), name) != list.end();
   };
-  if (among(model.notes.locked)) return "joint " + quote(name) + " is locked, expected one that moves";
-  if (among(model.notes.merged)) return "joint " + quote(name) + " is fixed, expected one that moves";
+  if (among(model.notes.locked)) return "joint " + quote(name) + " is locked, expected a joint that moves";
+  if (among(model.notes.merged)) return "joint " + quote(name) + " is fixed, expected a joint that moves";
   return "the robot has no joint " + quote(name) + ", " + suggestion(name, names_of(model.joints));
 }
 

@@ -14,7 +14,7 @@ extern const DenseKernels blocks_level_baseline, blocks_level_avx2;
 namespace lanes {
 extern const Level level_baseline, level_avx2, level_avx512;
 extern const Level level_one_baseline, level_one_avx2, level_one_avx512;
-}
+}  // namespace lanes
 namespace extended {
 extern const Level level_baseline, level_avx2;
 }
@@ -45,7 +45,8 @@ std::span<const Level> levels_here() {
   while (!all.empty() && !all.front().runs()) all = all.subspan(1);
   if (all.empty())
     throw std::runtime_error(std::string("manycontact was compiled for processors with ") + kLevels[0].name +
-                             ", which this one is not: compile it here, or with MANYCONTACT_PORTABLE=ON for every one");
+                             ", which this processor does not have: compile manycontact on this machine, or with "
+                             "MANYCONTACT_PORTABLE=ON for all processors");
   return all;
 }
 

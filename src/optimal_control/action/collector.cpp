@@ -116,8 +116,9 @@ const ContactDataAbstract& DataCollector::contact_on(FrameIndex frame, const std
   }
   require(count == 1, who,
           count == 0 ? "frame " + std::to_string(frame) + " has no contact" + (wanted.empty() ? "" : " " + wanted) +
-                           ", one is expected"
-                     : "frame " + std::to_string(frame) + " has several contacts (" + names + "), one is expected");
+                           ", a contact is expected"
+                     : "frame " + std::to_string(frame) + " has several contacts (" + names +
+                           "), exactly one contact is expected");
   return *found;
 }
 

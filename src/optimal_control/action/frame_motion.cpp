@@ -13,7 +13,7 @@ const Multibody::BodyFrame& frame_of(const StateAbstract& state, FrameIndex fram
   if (!multibody) throw std::invalid_argument("frame: the state has no robots, a StateMultibody is expected");
   const auto& frames = multibody->get_model()->frames;
   if (static_cast<std::size_t>(frame) >= frames.size())
-    throw std::invalid_argument("frame: there is no frame " + std::to_string(frame));
+    throw std::invalid_argument("frame: the state has no frame " + std::to_string(frame));
   return frames[frame];
 }
 

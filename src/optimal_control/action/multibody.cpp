@@ -59,7 +59,7 @@ FrameIndex Multibody::getFrameId(const std::string& name) const {
   require(id, "Multibody::getFrameId",
           "no frame is called \"" + name + "\"; " +
               (scene_.nrobots() == 1 ? "the name of a link is expected"
-                                     : "with several robots \"robot/link\" is expected, as \"" +
+                                     : "with several robots \"robot/link\" is expected, such as \"" +
                                            (frames.empty() ? std::string("robot/link") : frames[0].name) + "\""));
   return *id;
 }

@@ -13,9 +13,10 @@ void check_part(const char* who, const std::string& name, const std::shared_ptr<
                 const std::shared_ptr<State>& state, std::size_t nu) {
   require(part != nullptr, who, "\"" + name + "\" is a null pointer, a model is expected");
   require(same_space(*part->get_state(), *state), who,
-          "\"" + name + "\" belongs to another state, this one's is expected");
-  require(part->get_nu() == nu, who,
-          "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", " + std::to_string(nu) + " is expected");
+          "\"" + name + "\" belongs to another state, the state of the stack is expected");
+  require(
+      part->get_nu() == nu, who,
+      "\"" + name + "\" has nu = " + std::to_string(part->get_nu()) + ", nu = " + std::to_string(nu) + " is expected");
 }
 
 /// Calls f(item, data of the item) for each item with keep(item). Items and data must be sorted by name.
@@ -54,14 +55,14 @@ Item& NamedParts<State, Item>::part(const std::string& name) const {
   std::string known;
   for (const auto& part : parts_) known += (known.empty() ? "" : ", ") + part.first;
   throw std::invalid_argument(std::string(name_) + ": no " + what_ + " is called \"" + name +
-                              "\"; there are: " + (known.empty() ? "none" : known));
+                              "\"; the known names are: " + (known.empty() ? "none" : known));
 }
 
 template <class State, class Item>
 void NamedParts<State, Item>::add(const Item& item) {
   require(!parts_.contains(item.name), name_,
           std::string(what_[0] == 'i' ? "an " : "a ") + what_ + " called \"" + item.name +
-              "\" is there already, a new name is expected");
+              "\" exists already, a new name is expected");
   parts_[item.name] = std::make_shared<Item>(item);
   (item.active ? active_set_ : inactive_set_).insert(item.name);
   ++version_;

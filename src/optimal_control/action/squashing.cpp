@@ -12,7 +12,7 @@ SquashingDataAbstract::SquashingDataAbstract(const SquashingModelAbstract* model
 }
 
 SquashingModelAbstract::SquashingModelAbstract(std::size_t ns) : ns_(ns) {
-  require(ns > 0, "SquashingModelAbstract", "ns is 0, one or more is expected");
+  require(ns > 0, "SquashingModelAbstract", "ns is 0, a number of 1 or more is expected");
 }
 
 SquashingModelSmoothSat::SquashingModelSmoothSat(const ConstVectorRef& u_lb, const ConstVectorRef& u_ub, std::size_t ns)
@@ -20,7 +20,7 @@ SquashingModelSmoothSat::SquashingModelSmoothSat(const ConstVectorRef& u_lb, con
   check_size("SquashingModelSmoothSat", "the lower bound", u_lb.size(), ns);
   check_size("SquashingModelSmoothSat", "the upper bound", u_ub.size(), ns);
   require(u_lb.allFinite() && u_ub.allFinite() && (u_lb.array() < u_ub.array()).all(), "SquashingModelSmoothSat",
-          "finite bounds, the lower below the upper, are expected");
+          "finite bounds are expected, and each lower bound below the upper bound");
   u_lb_ = s_lb_ = u_lb;
   u_ub_ = s_ub_ = u_ub;
   set_smooth(smooth_);
@@ -66,8 +66,8 @@ ActuationSquashingModel::ActuationSquashingModel(std::shared_ptr<ActuationModelA
       squashing_(internal::given(kActuationSquashingModel, squashing, "a squashing")),
       actuation_(std::move(actuation)) {
   require(nu == actuation_->get_nu() && nu == squashing_->get_ns(), kActuationSquashingModel,
-          "nu is " + std::to_string(nu) + ", the actuation's " + std::to_string(actuation_->get_nu()) +
-              ", the squashing's " + std::to_string(squashing_->get_ns()) + ", the same are expected");
+          "nu is " + std::to_string(nu) + ", the actuation has nu = " + std::to_string(actuation_->get_nu()) +
+              ", the squashing has ns = " + std::to_string(squashing_->get_ns()) + ", equal numbers are expected");
 }
 
 void ActuationSquashingModel::calc(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef& u) {

@@ -11,7 +11,7 @@ void check_terms(const char* where, const ActionTerms& terms, const CostDataSum&
           "constraints were added or removed since the data were created, new data are expected");
   for (const auto& [name, item] : terms.constraints->get_constraints())
     require(item->active == terms.constraints->get_active_set().contains(name), where,
-            "the status of a constraint was written into its item, changeConstraintStatus is expected");
+            "the status of a constraint was changed in the item, call changeConstraintStatus instead");
 }
 
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints) {
@@ -42,9 +42,9 @@ bool has_status(const ActionTerms& terms, const std::vector<bool>& status) {
 
 void check_stage(const char* who, bool fits, Stage stage) {
   if (fits) return;
-  throw std::logic_error(std::string(who) + "::calcDiff: it uses the values of the last calc; " +
+  throw std::logic_error(std::string(who) + "::calcDiff: calcDiff uses the values of the last calc; call " +
                          (stage == Stage::kRunning ? "calc(data, x, u)" : "calc(data, x)") +
-                         " is expected before it, on the same data, with the same costs and constraints");
+                         " before calcDiff, with the same data, costs and constraints");
 }
 
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r) {

@@ -69,7 +69,8 @@ Eigen::Ref<MatrixXd> BlockCholesky::block(int u, int v) {
   Column& column = columns_[v];
   const auto at = std::lower_bound(column.below.begin(), column.below.end(), u,
                                    [](const Below& b, int vertex) { return b.vertex < vertex; });
-  if (at == column.below.end() || at->vertex != u) throw std::logic_error("lq::BlockCholesky: no such block");
+  if (at == column.below.end() || at->vertex != u)
+    throw std::logic_error("lq::BlockCholesky: the block does not exist");
   return column.panel.middleRows(at->row, vertices_[u].size);
 }
 

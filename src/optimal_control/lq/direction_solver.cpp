@@ -44,7 +44,8 @@ void DirectionSolver::analyse(const Problem& problem) {
 
 void DirectionSolver::expect_same_structure(const Problem& problem) const {
   const auto expect = [](bool same) {
-    if (!same) throw std::invalid_argument("lq::DirectionSolver: the problem has not the structure that was analysed");
+    if (!same)
+      throw std::invalid_argument("lq::DirectionSolver: the problem does not have the structure that was analysed");
   };
   expect(problem.nx == nx_ && problem.nu == nu_ && problem.knots.size() == groups_.size());
   for (std::size_t k = 0; k < groups_.size(); ++k) {
@@ -66,7 +67,7 @@ Outcome DirectionSolver::factorize(const Problem& problem, const Regularisation&
 }
 
 Outcome DirectionSolver::solve(const Problem& problem, Point& z) {
-  if (!factorized_) throw std::logic_error("lq::DirectionSolver: solve without a factor");
+  if (!factorized_) throw std::logic_error("lq::DirectionSolver: there is no factor, call factorize first");
   expect_same_structure(problem);
   if (!same_sizes(z, residual_)) z = Point(problem, layout_);
   linear_terms(problem, layout_, residual_);

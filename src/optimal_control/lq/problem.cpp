@@ -33,15 +33,16 @@ void check_partition(const Problem& problem, int k) {
   const Knot& knot = problem.knots[k];
   std::vector<bool> seen(problem.blocks()), touched(knot.couplings.size());
   for (int g = 0; g < static_cast<int>(knot.groups.size()); ++g) {
-    if (knot.groups[g].blocks.empty()) refuse(k, g, "no blocks");
+    if (knot.groups[g].blocks.empty()) refuse(k, g, "the group has no blocks");
     for (int i : knot.groups[g].blocks) {
-      if (i < 0 || i >= problem.blocks()) refuse(k, g, "no block " + std::to_string(i));
+      if (i < 0 || i >= problem.blocks()) refuse(k, g, "block " + std::to_string(i) + " does not exist");
       if (seen[i]) refuse(k, g, "block " + std::to_string(i) + " occurs twice in the knot");
       seen[i] = true;
     }
     std::vector<bool> mine(knot.couplings.size());
     for (int b : knot.groups[g].couplings) {
-      if (b < 0 || b >= static_cast<int>(knot.couplings.size())) refuse(k, g, "no coupling " + std::to_string(b));
+      if (b < 0 || b >= static_cast<int>(knot.couplings.size()))
+        refuse(k, g, "coupling " + std::to_string(b) + " does not exist");
       if (mine[b]) refuse(k, g, "coupling " + std::to_string(b) + " occurs twice in the group");
       mine[b] = touched[b] = true;
     }
@@ -49,7 +50,7 @@ void check_partition(const Problem& problem, int k) {
   for (int i = 0; i < problem.blocks(); ++i)
     if (!seen[i]) refuse(k, -1, "block " + std::to_string(i) + " is in no group");
   for (std::size_t b = 0; b < touched.size(); ++b)
-    if (!touched[b]) refuse(k, -1, "coupling " + std::to_string(b) + " touches no group");
+    if (!touched[b]) refuse(k, -1, "coupling " + std::to_string(b) + " is in no group");
 }
 
 // Calls use(matrix or vector, rows, columns, name) for each member of a group, where a vector has one column.
@@ -71,12 +72,13 @@ void check_sizes(const Problem& problem, int k, int g) {
     if (M.rows() == rows && M.cols() == cols) return;
     const std::string size = std::to_string(rows);
     refuse(k, g,
-           M.ColsAtCompileTime == 1 ? std::string(name) + " has not " + size + " entries"
+           M.ColsAtCompileTime == 1 ? std::string(name) + " does not have " + size + " entries"
                                     : std::string(name) + " is not " + size + " x " + std::to_string(cols));
   });
   if (k == problem.horizon()) return;
   if (!group.steps) return;
-  if (group.blocks.size() != 1 || s.nx % 2 != 0) refuse(k, g, "steps of other than one block of two halves");
+  if (group.blocks.size() != 1 || s.nx % 2 != 0)
+    refuse(k, g, "the group has steps, but is not one block of two halves");
   for (const BlockDiagonal* D : {&group.steps->J, &group.steps->G}) {
     Eigen::Index end = 0;
     for (const BlockDiagonal::Part& part : D->parts) {
@@ -105,12 +107,13 @@ void set_zero(Problem& problem) {
 }
 
 void check(const Problem& problem) {
-  if (problem.knots.empty()) throw std::invalid_argument("lq::Problem: no knot");
+  if (problem.knots.empty()) throw std::invalid_argument("lq::Problem: there is no knot");
   if (problem.nu.size() != problem.nx.size()) throw std::invalid_argument("lq::Problem: nx and nu differ in size");
   for (int i = 0; i < problem.blocks(); ++i)
-    if (problem.nx[i] < 0 || problem.nu[i] < 0) throw std::invalid_argument("lq::Problem: a negative size");
+    if (problem.nx[i] < 0 || problem.nu[i] < 0)
+      throw std::invalid_argument("lq::Problem: nx or nu has a negative size");
   if (problem.x0.size() != starts(problem.nx).back())
-    throw std::invalid_argument("lq::Problem: x0 has not the size of all blocks' states");
+    throw std::invalid_argument("lq::Problem: x0 does not have the size of the states of all blocks");
   for (int k = 0; k <= problem.horizon(); ++k) {
     check_partition(problem, k);
     for (int g = 0; g < static_cast<int>(problem.knots[k].groups.size()); ++g) check_sizes(problem, k, g);

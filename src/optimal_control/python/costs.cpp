@@ -89,7 +89,9 @@ void add_derivatives(Class<CostDataAbstract, CostData>& c, Given... given) {
           return d.own ? view(d.*member, self, true) : read_only(copy(d.whole_derivatives().*made));
         },
         [name, member](CostDataAbstract& d, py::handle values) {
-          if (!d.own) throw py::type_error(std::string(name) + " is made of the residual's derivatives");
+          if (!d.own)
+            throw py::type_error(std::string(name) +
+                                 " is computed from the residual's derivatives and cannot be assigned");
           assign(d.*member, values);
         });
   };

@@ -114,7 +114,8 @@ auto set_whole(const char* name, Eigen::MatrixXd ResidualDataAbstract::*member,
       for (std::size_t i = 0; i < b.rows.size(); ++i)
         for (std::size_t j = 0; j < (b.*columns).size(); ++j) (b.*block)(i, j) = J(b.rows[i], (b.*columns)[j]);
     if ((d.*made)() != J)
-      throw py::value_error(std::string(name) + ": entries that this residual's derivatives never have are not zero");
+      throw py::value_error(std::string(name) +
+                            ": an entry is not zero, although the residual does not depend on this coordinate");
   };
 }
 
@@ -210,7 +211,7 @@ Scope::~Scope() {
 std::shared_ptr<Shared> Scope::shared_of(const void* data) {
   for (auto r = running.rbegin(); r != running.rend(); ++r)
     if (r->data == data) return r->shared;
-  throw py::value_error("data.shared is there while calc and calcDiff of a class written in Python run");
+  throw py::value_error("data.shared is available only while calc and calcDiff of a class written in Python run");
 }
 
 void add_residual_models(py::module_& m) {

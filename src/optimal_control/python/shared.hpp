@@ -13,7 +13,7 @@ class Shared {
   Shared(DataCollector* collector, const StateMultibody& state) : collector_(collector), state_(state) {}
   void end() { collector_ = nullptr; }
   const DataCollector& get() const {
-    if (!collector_) throw py::value_error("data.shared is there while calc, calcDiff and createData run, not later");
+    if (!collector_) throw py::value_error("data.shared is available only while calc, calcDiff and createData run");
     return *collector_;
   }
   /// Returns the DataCollector, which createData of C++ classes takes as argument.
@@ -23,7 +23,7 @@ class Shared {
   }
   const Multibody::BodyFrame& frame(std::size_t id) const {
     (void)get();
-    if (id >= state_.get_model()->frames.size()) throw py::value_error("there is no frame " + std::to_string(id));
+    if (id >= state_.get_model()->frames.size()) throw py::value_error("the state has no frame " + std::to_string(id));
     return state_.get_model()->frames[id];
   }
 

@@ -60,7 +60,7 @@ struct PySolver : T {
 
 struct PyCallback : CallbackAbstract {
   [[noreturn]] static void throw_undefined() {
-    throw py::value_error("CallbackAbstract: __call__(self, solver) is to be defined");
+    throw py::value_error("CallbackAbstract: the class of the callback does not define __call__(self, solver)");
   }
   void operator()(SolverAbstract& solver) override {
     const py::gil_scoped_acquire gil;
@@ -107,7 +107,8 @@ void set_callbacks(SolverAbstract& solver, const Callbacks& callbacks) {
 bool solve_problem(SolverAbstract& solver, const Vectors& xs, const Vectors& us, std::size_t maxiter, bool feasible,
                    double init_reg) {
   if (solving(solver))
-    throw py::value_error("solve: this solver is solving; a callback may interrupt() it, or solve by another solver");
+    throw py::value_error(
+        "solve: this solver is in use; a callback may call interrupt(), or solve with another solver");
   const auto call = std::make_shared<Solving>(solver.getCallbacks());
   struct Restore {
     SolverAbstract& solver;

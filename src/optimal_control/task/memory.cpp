@@ -76,7 +76,7 @@ void require_memory(const TaskFile& task, const ShootingProblem::Models& running
                                         [](const TaskPhase& a, const TaskPhase& b) { return a.nodes < b.nodes; });
   throw InputError(task.path, longest->line,
                    std::to_string(task.nodes()) + " nodes would take about " + gigabytes(bytes) + " of memory, " +
-                       gigabytes(there) + " are there; expected fewer nodes or a solver for decoupled subproblems");
+                       gigabytes(there) + " are available; expected fewer nodes or a solver for decoupled subproblems");
 }
 
 bool dense_parts_fit(const TaskFile& task) {

@@ -7,10 +7,10 @@
 #include <random>
 #include <sstream>
 
-#include "manycontact/control/fit.hpp"
 #include "manycontact/control/augmented_lagrangian.hpp"
 #include "manycontact/control/box_solvers.hpp"
 #include "manycontact/control/direction.hpp"
+#include "manycontact/control/fit.hpp"
 #include "manycontact/detail/control/sparse.hpp"
 #include "manycontact/detail/control/timer.hpp"
 #include "memory.hpp"
@@ -125,7 +125,7 @@ std::string with_violations(StopReason reason, std::vector<TaskViolation> violat
   std::ostringstream text;
   text << to_string(reason) << std::setprecision(3);
   constexpr std::size_t kMost = 3;
-  const char* before = reason == StopReason::kInfeasible ? ": " : "; constraints are missed: ";
+  const char* before = reason == StopReason::kInfeasible ? ": " : "; violated constraints: ";
   for (std::size_t k = 0; k < std::min(kMost, violations.size()) && violations[k].by > kMostViolation; ++k) {
     text << before << violations[k].constraint << ", by " << violations[k].by << " at node " << violations[k].node;
     before = "; ";
@@ -173,7 +173,8 @@ struct Run {
     }
     if (inner.has_rolled_out())
       out.remarks.push_back(
-          "no step closed the gaps: continued from the motion of the guess's torques within the limits");
+          "no step closed the gaps: the solver continued from the motion that the torques of the guess cause within "
+          "the limits");
   }
 
   void with_constraints() {
@@ -280,7 +281,7 @@ void leave_stationary_guess(Run& run) {
   const TaskSolution stayed = run.out;
   run.out.xs = std::move(xs);
   run.out.us = std::move(us);
-  run.out.remarks.push_back("the guess was stationary, but no minimum: started from a nearby point");
+  run.out.remarks.push_back("the guess was stationary, but no minimum: the solver started from a nearby point");
   go_on(run);
 }
 
@@ -298,7 +299,7 @@ void take_limits(Run& run, const std::vector<task::TorqueBounds>& bounds) {
   box.out.blocks = run.out.blocks;
   box.out.iterations = run.out.iterations;
   box.out.remarks = run.out.remarks;
-  box.out.remarks.push_back("the constraints only bound torques: treated as limits, by box-fddp");
+  box.out.remarks.push_back("the constraints only bound torques: box-fddp treated these bounds as limits");
   box();
   run.problem.problem->calc(box.out.xs, box.out.us);
   box.out.violations = violations(run.problem);
@@ -322,7 +323,7 @@ void take_dense_recursion(Run& run) {
   dense.multipliers = run.problem.multipliers;
   run.problem = std::move(dense);
   run.out.remarks.push_back("block-wise search directions ended with \"" + run.out.reason +
-                            "\": continued with the dense recursion");
+                            "\": the solver continued with the dense recursion");
   go_on(run);
 }
 

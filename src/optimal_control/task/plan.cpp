@@ -125,11 +125,11 @@ PlanFinding in_words(const TaskFile& task, const PlanClosing& c) {
   const Contact& contact = task.scene.scene.contacts[c.contact];
   std::string text = "closes at " + show(c.time) + " s, ";
   if (contact.B.robot >= 0)
-    text += show(c.above) + " m from where the scene has it";
+    text += show(c.above) + " m from its placement in the scene";
   else
-    text += show(std::abs(c.above)) + " m " + (c.above > 0 ? "above" : "below") + " where the scene has it" +
+    text += show(std::abs(c.above)) + " m " + (c.above > 0 ? "above" : "below") + " its placement in the scene" +
             (c.aside >= kOutOfPlace ? " and " + show(c.aside) + " m aside" : "");
-  return {"closes", contact.name, text + ", at " + show(c.speed) + " m/s", c.node};
+  return {"closes", contact.name, text + ", with a speed of " + show(c.speed) + " m/s", c.node};
 }
 
 // Adds findings about nearly dependent contact rows, at the first node with each set of active contacts.
@@ -227,7 +227,7 @@ std::vector<PlanFinding> plan_findings(const TaskFile& task, const TaskSolution&
   for (const PlanCost& cost : costs)
     if (cost.is_goal && cost.missed >= kOutOfPlace)
       out.push_back({"goal", cost.name,
-                     "missed by " + show(cost.missed) +
+                     "is missed by " + show(cost.missed) +
                          (cost.residual == TaskResidual::kFrameRotation ? " rad" : " m") +
                          (cost.residual == TaskResidual::kFramePlacement ? " and rad" : "") + " at " +
                          show(nodes[cost.node].time) + " s",

@@ -13,7 +13,7 @@ std::shared_ptr<ResidualDataAbstract> ResidualOfInner::createData(DataCollector*
 
 bool ResidualOfInner::fits(const ResidualDataAbstract& data) const {
   const auto* d = dynamic_cast<const Data*>(&data);
-  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  require(d, name_, "the data were created by another residual, data of this residual's createData() are expected");
   return inner_->fits(*d->inner);
 }
 
@@ -22,7 +22,7 @@ ResidualModelRows::ResidualModelRows(std::shared_ptr<ResidualModelAbstract> inne
   int next = 0;
   for (const int row : rows_) {
     require(row >= 0 && row < static_cast<int>(row_of_.size()) && row_of_[row] < 0, name_,
-            "rows of the residual, each at most once, are expected");
+            "a row does not exist or occurs twice, rows of the residual, each at most once, are expected");
     row_of_[row] = next++;
   }
 }

@@ -30,7 +30,7 @@ void check_fits(const TaskFile& task, const TaskSolution& solution, const StateM
   bool fits = solution.xs.size() == T + 1 && solution.us.size() == T;
   for (const TaskGains& part : solution.gains) fits = fits && part.K.size() == T;
   for (const Eigen::VectorXd& x : solution.xs) fits = fits && x.size() == static_cast<Eigen::Index>(state.get_nx());
-  require(fits, "simulate", "the solution is of another task");
+  require(fits, "simulate", "the solution belongs to another task, a solution of this task is expected");
 }
 
 // Activates the contacts of the phase. Closing contacts constrain their frames to the current placements, or, if the
@@ -59,7 +59,7 @@ Scene held(const TaskFile& task, Integrator integrator, double h) {
 }  // namespace
 
 SimulatedMotion simulate(const TaskFile& task, const TaskSolution& solution, Integrator integrator, int substeps) {
-  require(substeps >= 1, "simulate", "a step to a node at least is expected");
+  require(substeps >= 1, "simulate", "substeps is below 1, at least one step for each node is expected");
   const StateMultibody state(task.scene.scene);
   check_fits(task, solution, state);
   const double h = task.step / substeps;

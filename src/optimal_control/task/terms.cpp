@@ -68,7 +68,7 @@ Eigen::VectorXd reference_of(const TaskTerm& term, const SceneFile& file) {
   const Scene& scene = file.scene;
   const bool state = term.residual == TaskResidual::kState;
   if (!term.poses.empty() && term.reference.size() == 0)
-    throw std::logic_error("a reference that is a pose is still to be found: call fit_state first");
+    throw std::logic_error("a reference that is given by poses is not known yet: call fit_state first");
   if (term.reference.size() > 0 && (term.robots.empty() || !term.poses.empty())) return term.reference;
   Eigen::VectorXd out = state ? x0_of(file)
                               : Eigen::VectorXd(Eigen::VectorXd::Zero(

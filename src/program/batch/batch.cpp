@@ -85,7 +85,8 @@ BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
   BatchRun run;
   run.islands = arguments.has("--islands");
   if (run.islands && options.method == Method::kDenseSchur)
-    throw UsageError("method dense-schur takes the scene as one system, --islands cannot split it");
+    throw UsageError(
+        "--islands splits the scene, but method dense-schur solves the scene as one system: omit one of them");
   check_files(arguments, {path, states}, {"--out"});
   if (arguments.has("--derivatives")) check_unread("--derivatives", derivatives_path(out), {path, states});
   const SceneFile file = load_scene(path);
@@ -99,8 +100,8 @@ BatchRun set_up(const Arguments& arguments, const Communicator& communicator) {
     throw InputError(states, 1,
                      "has shape (" + std::to_string(shape[0]) + ", " + std::to_string(shape[1]) +
                          (shape.size() > 2 ? ", " + std::to_string(shape[2]) : "") + "), expected (states, " +
-                         std::to_string(run.in_size()) + "): q " + std::to_string(run.part.nq) + ", v " +
-                         std::to_string(run.part.nv) + ", u " + std::to_string(run.part.nu) + " of " + path);
+                         std::to_string(run.in_size()) + "): q has " + std::to_string(run.part.nq) + " numbers, v " +
+                         std::to_string(run.part.nv) + " and u " + std::to_string(run.part.nu) + " in " + path);
   run.count = shape[0];
   run.out.emplace_back(out, std::vector<std::int64_t>{run.count, run.out_size()});
   if (arguments.has("--derivatives"))

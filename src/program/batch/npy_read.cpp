@@ -96,7 +96,7 @@ void NpyInput::read_header() {
   const int major = start[6], minor = start[7];
   if ((major != 1 && major != 2) || minor != 0)
     refuse("is a .npy file of version " + std::to_string(major) + "." + std::to_string(minor) +
-           ", of which only 1.0 and 2.0 are read");
+           ", but only versions 1.0 and 2.0 can be read");
   const int length_bytes = major == 1 ? 2 : 4;
   std::uint32_t length = 0;
   for (int k = length_bytes - 1; k >= 0; --k) length = length << 8 | start[8 + k];
@@ -107,12 +107,12 @@ void NpyInput::read_header() {
       pread(file_, text.data(), length, 8 + length_bytes) != static_cast<ssize_t>(length))
     refuse("ends within its header");
   Header header;
-  if (!parse(text, header)) refuse("has a header that is none of NumPy's");
+  if (!parse(text, header)) refuse("has a header that NumPy does not write");
   if (header.descr != "<f8") refuse("has numbers of type '" + header.descr + "'");
-  if (header.fortran_order) refuse("is in Fortran's order");
+  if (header.fortran_order) refuse("has its numbers in Fortran order");
   shape_ = header.shape;
   if (shape_.size() != 2 && shape_.size() != 3)
-    refuse("has " + std::to_string(shape_.size()) + " dimensions, not two or three");
+    refuse("has an array of " + std::to_string(shape_.size()) + " dimensions, not of two or three");
 }
 
 void NpyInput::read(std::int64_t first, std::int64_t count, double* out) const {
@@ -121,7 +121,8 @@ void NpyInput::read(std::int64_t first, std::int64_t count, double* out) const {
   for (std::int64_t left = 8 * count; left > 0;) {
     const ssize_t got = pread(file_, to, left, at);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) refuse(got == 0 ? "became shorter" : std::string("cannot be read: ") + std::strerror(errno));
+    if (got <= 0)
+      refuse(got == 0 ? "became shorter during reading" : std::string("cannot be read: ") + std::strerror(errno));
     to += got, at += got, left -= got;
   }
 }

@@ -26,7 +26,7 @@ NpyOutput::NpyOutput(const std::string& path, const std::vector<std::int64_t>& s
 
 void NpyOutput::create() {
   if (is_written_straight(path_))
-    throw InputError(path_, 1, "is not a regular file, expected one that --out may create");
+    throw InputError(path_, 1, "is not a regular file, expected a file that --out may create");
   file_ = std::make_unique<OutputFile>(path_, "--out");
   file_->write(header_.data(), header_.size());
   file_->resize(static_cast<std::int64_t>(header_.size()) + bytes_);

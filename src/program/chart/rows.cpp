@@ -27,16 +27,17 @@ void note_truth(const ChartTruth& truth, Chart& chart) {
   const long at_rest = std::ranges::count(truth.at_rest, 1);
   if (at_rest > 0)
     chart.notes.push_back("Accelerations of " + count(at_rest, "robot") +
-                          " vanish (under 1e-4 of those without contacts, which their errors are relative to).");
+                          " vanish: they are below 1e-4 of the accelerations without contacts. Errors are relative to "
+                          "the latter.");
   if (truth.sampled > 0)
     chart.notes.push_back("Derivatives of " + count(truth.sampled, "island") +
-                          " are judged along four random directions each in q, v and u.");
+                          " are compared along four random directions each in q, v and u.");
   if (truth.unknown > 0)
-    chart.notes.push_back("The truth of " + count(truth.unknown, "island") +
-                          " is not known: K is singular, and the island too large for dense quadruple precision.");
+    chart.notes.push_back("The exact solution of " + count(truth.unknown, "island") +
+                          " is not known: K is singular and too large for dense quadruple precision.");
   else if (truth.unknown_derivatives > 0)
-    chart.notes.push_back("The truth of the derivatives of " + count(truth.unknown_derivatives, "island") +
-                          " is not known: there is no solution, or another rank, next to the state.");
+    chart.notes.push_back("The exact derivatives of " + count(truth.unknown_derivatives, "island") +
+                          " are not known: at neighbouring states there is no solution, or the rank differs.");
 }
 
 // Sets `front` in those rows that no other row dominates in both time and acceleration error.

@@ -65,7 +65,7 @@ void differences(const SceneFile& file, SceneData& data, const std::vector<Place
     for (int by = 0; by < 3; ++by) most = std::max(most, o.first[by + 1] - o.first[by]);
   for (int by = 0; by < 3; ++by)
     for (int k = 0; k < most; ++k) {
-      progress("truth of derivatives " + std::to_string(by * most + k + 1) + "/" + std::to_string(3 * most));
+      progress("exact derivatives, " + std::to_string(by * most + k + 1) + " of " + std::to_string(3 * most));
       VecX<Quad> step = VecX<Quad>::Zero(by == 2 ? file.scene.nu : file.scene.nv);
       bool moves = false;
       for (std::size_t i = 0; i < places.size(); ++i) {
@@ -96,7 +96,7 @@ void differences(const SceneFile& file, SceneData& data, const std::vector<Place
 ChartTruth find_truth(const SceneFile& file, SceneData& data) {
   const Scene& scene = file.scene;
   ChartTruth truth;
-  progress("truth");
+  progress("exact solution");
   const Truth<Quad> here = truth_along(file, data, 2, VecX<Quad>::Zero(scene.nu));
   truth.a = here.a;
   truth.f = here.f;

@@ -83,7 +83,8 @@ def who_wins(chart):
     best, with_derivatives = winner(chart, 0), winner(chart, 2)
     if not best:
         return f"No method is as accurate as allowed ({scientific(chart['allowed'])})."
-    text = f"Fastest of the accurate ones is {name_of(best)}: {number(best['time_us'])} us, error of accelerations {scientific(best['error_acceleration'])}"
+    text = f"The fastest accurate method is {name_of(best)}: {number(best['time_us'])} us, "
+    text += f"error of accelerations {scientific(best['error_acceleration'])}"
     if with_derivatives:
         text += f"; with derivatives {name_of(with_derivatives)}: {number(time_of(with_derivatives, 2))} us"
     for row in chart["rows"]:
@@ -95,11 +96,13 @@ def who_wins(chart):
 def where_auto_lies(chart):
     mine, best, with_derivatives = auto_of(chart), winner(chart, 0), winner(chart, 2)
     if not mine or not answered(mine) or not best:
-        return "auto has no solution to compare."
-    text = f"auto ({mine['answered_by']}) takes {number(mine['time_us'])} us, {number(mine['time_us'] / best['time_us'])} times the time of the fastest accurate one"
+        return "The method auto has no solution that can be compared."
+    text = f"auto ({mine['answered_by']}) takes {number(mine['time_us'])} us, "
+    text += f"{number(mine['time_us'] / best['time_us'])} times the time of the fastest accurate method"
     text += f", and is {'' if mine['front'] else 'not '}on the front"
     if with_derivatives and mine["time_derivatives_us"] is not None:
-        text += f"; with derivatives {number(time_of(mine, 2) / time_of(with_derivatives, 2))} times"
+        text += f"; with derivatives auto takes {number(time_of(mine, 2) / time_of(with_derivatives, 2))} times the time "
+        text += "of the fastest"
     return text + "."
 
 
@@ -119,7 +122,7 @@ def what_damping_costs(chart):
 
 
 def what_fails(chart):
-    found = {"Failed": [], "Skipped, or its derivatives, as too slow or too large": [], "Less accurate than allowed": []}
+    found = {"Failed": [], "Skipped as too slow or too large, wholly or for derivatives": [], "Less accurate than allowed": []}
     failed, skipped, inaccurate = found.values()
     fallbacks = {}
     for row in chart["rows"]:
@@ -133,9 +136,9 @@ def what_fails(chart):
         if row["error_acceleration"] is not None and not accurate(chart, row):
             inaccurate.append(name)
         if row["fallback"]:
-            fallbacks.setdefault(f"Tried twice, as {row['fallback']}", []).append(name)
+            fallbacks.setdefault(f"A fallback was used, since {row['fallback']}", []).append(name)
     found.update(sorted(fallbacks.items()))
-    return " ".join(f"{what}: {drawing.join(names, 6)}." for what, names in found.items() if names) or "Nothing fails."
+    return " ".join(f"{what}: {drawing.join(names, 6)}." for what, names in found.items() if names) or "No method fails."
 
 
 def describe(chart):
@@ -148,9 +151,9 @@ def describe(chart):
 PAGE = """# Accuracy against speed
 
 Written by `manycontact chart`; the numbers are in [chart.csv](chart.csv). A point is one method, order and
-damping. Right is slower than the fastest one, up is a larger error, relative to a solution of the scene in
-quadruple precision. A point is on the front if no other one is at least as fast and as accurate, and
-better in one of the two; `chart.csv` marks the front of solve time and accelerations.
+damping. Points to the right are slower than the fastest one. Points further up have a larger error, relative
+to a solution of the scene in quadruple precision. A point is on the front if no other point is at least as
+fast and as accurate, and better in one of the two; `chart.csv` marks the front of solve time and accelerations.
 The times are of {}.
 
 | Scene | fastest accurate | us | auto | us | auto / fastest | auto on the front |

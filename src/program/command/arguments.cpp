@@ -29,7 +29,8 @@ Arguments::Arguments(const std::vector<Option>& options, const std::vector<std::
       if (i + 1 == words.size()) throw UsageError("option " + name + " needs a value " + option->value);
       value = words[++i];
     }
-    if (!option->value.empty() && value.empty()) throw UsageError("option " + name + " has an empty value");
+    if (!option->value.empty() && value.empty())
+      throw UsageError("option " + name + " has an empty value, expected " + option->value);
     given_.emplace_back(name, value);
   }
 }

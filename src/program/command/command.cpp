@@ -32,7 +32,7 @@ bool one_file(const std::string& a, const std::string& b) {
 std::string scene_operand(const Arguments& arguments, const std::string& name) {
   if (arguments.rest().empty()) throw UsageError(name + " is missing");
   if (arguments.rest().size() > 1)
-    throw UsageError("one " + name + " is expected, '" + arguments.rest()[1] + "' is a second");
+    throw UsageError("'" + arguments.rest()[1] + "' is a second " + name + ", exactly one " + name + " is expected");
   return arguments.rest()[0];
 }
 
@@ -43,7 +43,8 @@ void check_writable(const std::string& path, const std::string& option) {
 
 void check_unread(const std::string& option, const std::string& file, const std::vector<std::string>& read) {
   for (const std::string& input : read)
-    if (one_file(file, input)) throw UsageError(option + " would be written over '" + input + "', which is read");
+    if (one_file(file, input))
+      throw UsageError(option + " would overwrite the input '" + input + "': choose another file");
 }
 
 void check_files(const Arguments& arguments, const std::vector<std::string>& read,
@@ -55,9 +56,10 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
     for (std::size_t j = 0; j < k; ++j) {
       const auto other = arguments.value(written[j]);
       if (other && is_standard_output(*file) && is_standard_output(*other))
-        throw UsageError(written[j] + " and " + written[k] + " are both standard output");
+        throw UsageError(written[j] + " and " + written[k] +
+                         " are both standard output: choose a file for one of them");
       if (other && one_file(*file, *other))
-        throw UsageError(written[j] + " and " + written[k] + " are one file, expected two");
+        throw UsageError(written[j] + " and " + written[k] + " are the same file, expected two files");
     }
   }
 }
@@ -67,14 +69,16 @@ void check_folder(const std::string& option, const std::string& folder, const st
   for (const std::string& name : names) {
     const std::string file = (fs::path(folder) / name).string();
     for (const std::string& other : others)
-      if (one_file(file, other)) throw UsageError(option + " would write '" + file + "' over '" + other + "'");
+      if (one_file(file, other))
+        throw UsageError(option + " would overwrite '" + other + "' with '" + file + "': choose another folder");
   }
 }
 
 void make_folder(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  if (!fs::is_directory(folder)) throw InputError(folder, 1, "is not a folder and cannot be made one");
+  if (!fs::is_directory(folder))
+    throw InputError(folder, 1, "cannot be created as a folder, expected a folder for --out");
 }
 
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written) {

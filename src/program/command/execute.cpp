@@ -58,7 +58,7 @@ int execute_program(const std::string& name, const std::string& command, const s
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   execv(path.c_str(), argv.data());
-  throw std::runtime_error(command + " is done by another program, " + path + ", which cannot be run: " + how);
+  throw std::runtime_error("the command " + command + " needs the program " + path + ", which cannot be run: " + how);
 }
 
 void restart_without_blas_threads(char** argv) {

@@ -23,9 +23,9 @@ std::string overview(const std::vector<Command>& commands) {
   text +=
       "usage: manycontact --help | --version\n"
       "\n"
-      "manycontact COMMAND --help describes a command. Exit status: 0 a solution; 1 none, or that of a neighbouring "
-      "problem;\n"
-      "2 bad usage, bad input or output.\n";
+      "manycontact COMMAND --help describes a command. Exit status: 0 there is a solution; 1 there is none, or only "
+      "that\n"
+      "of a neighbouring problem; 2 bad usage, bad input or output.\n";
   return text;
 }
 
@@ -46,9 +46,9 @@ int run(const Command& command, const std::vector<std::string>& words) {
     const std::string& program = command.beside;
     return execute_program(program, command.name, words,
                            program == "manycontact-mpi"
-                               ? "under mpirun that one is needed, `./run build --mpi` makes it"
-                           : program == "manycontact-chart" ? "`./run build --chart` makes it"
-                                                            : "`./run build` makes it");
+                               ? "batch uses that program under mpirun, and `./run build --mpi` builds it"
+                           : program == "manycontact-chart" ? "`./run build --chart` builds that program"
+                                                            : "`./run build` builds that program");
   }
   try {
     return command.run(Arguments(command.options, words));
@@ -102,7 +102,7 @@ int run_program(const std::vector<Command>& commands, const std::vector<std::str
   } catch (const std::exception& error) {
     return complain(error.what(), "", kExitUnsound);
   } catch (...) {
-    return complain("something unknown went wrong", "", kExitUnsound);
+    return complain("an unknown error occurred", "", kExitUnsound);
   }
 }
 

@@ -38,7 +38,7 @@ Options solver_options(const Arguments& arguments) {
   options.method = chosen(arguments, "method", kMethods).value_or(options.method);
   options.order = chosen(arguments, "order", kOrders);
   if (options.order && !has_order(options.method) && options.method != Method::kAuto)
-    throw UsageError("method " + to_string(options.method) + " has no order to choose");
+    throw UsageError("method " + to_string(options.method) + " has no elimination order: omit --order");
   options.precision = chosen(arguments, "precision", kPrecisions).value_or(options.precision);
   return options;
 }

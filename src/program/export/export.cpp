@@ -116,7 +116,7 @@ void write_list(const ExportPlan& plan, const SceneFile& file, const Json& islan
                   plan.path("export.json"), "--out");
   const Python python = find_python();
   if (python.path.empty())
-    std::cerr << "manycontact: python3 is not installed, README.md is not written; export.json has its numbers\n";
+    std::cerr << "manycontact: python3 is not installed, so README.md is not written; export.json has the numbers\n";
   else
     run_python(python, script_path("export.py"), {plan.folder});
 }

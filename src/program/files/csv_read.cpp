@@ -27,7 +27,7 @@ CsvReader::CsvReader(const std::string& path) : path_(path), stream_(path), t_(-
   names_ = cells_of(line);
   for (std::size_t k = 0; k < names_.size(); ++k)
     if (!column_.emplace(names_[k], k).second && !names_[k].empty())
-      fail("column " + quote(names_[k]) + " occurs twice, expected it once");
+      fail("column " + quote(names_[k]) + " occurs twice, expected each column once");
   (void)column("t");
 }
 
@@ -40,7 +40,7 @@ bool CsvReader::read_line(std::string& line) {
     if (c == std::char_traits<char>::eof()) return !line.empty();
     if (c == '\n') return true;
     line += static_cast<char>(c);
-    if (line.size() > kMost) fail("is a line of more than 64 MB, expected a CSV");
+    if (line.size() > kMost) fail("the line is longer than 64 MB, expected a line of a CSV");
   }
 }
 
@@ -52,10 +52,10 @@ bool CsvReader::next() {
   } while (line.empty() || line == "\r");
   cells_ = cells_of(line);
   if (cells_.size() != names_.size())
-    fail("has " + std::to_string(cells_.size()) + " cells, expected " + std::to_string(names_.size()) +
-         " as the header");
+    fail("the row has " + std::to_string(cells_.size()) + " cells, expected " + std::to_string(names_.size()) +
+         " as in the header");
   const double t = number(column("t"));
-  if (!(t > t_)) fail("the time does not grow, expected rows in the order of their times");
+  if (!(t > t_)) fail("the time does not increase, expected rows in the order of increasing times");
   t_ = t;
   return true;
 }
@@ -91,7 +91,7 @@ std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
       }
       if (i >= line.size())
         fail("cell " + std::to_string(cells.size() + 1) +
-             " has a quote that is not closed, expected its end on the same line");
+             " has a quote that is not closed, expected the closing quote on the same line");
       at = i + 1;
       if (at < line.size() && line[at] != ',')
         fail("cell " + std::to_string(cells.size() + 1) + " continues after its closing quote, expected a comma");
@@ -99,7 +99,7 @@ std::vector<std::string> CsvReader::cells_of(std::string_view line) const {
       const std::size_t end = std::min(line.find(',', at), line.size());
       cell = line.substr(at, end - at);
       if (cell.find('"') != std::string::npos)
-        fail("cell " + std::to_string(cells.size() + 1) + " has a quote inside, expected it quoted as a whole");
+        fail("cell " + std::to_string(cells.size() + 1) + " has a quote inside, expected the whole cell in quotes");
       at = end;
     }
     cells.push_back(std::move(cell));

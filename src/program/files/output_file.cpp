@@ -124,7 +124,8 @@ void OutputFile::publish() {
   const std::string from = std::exchange(temporary_, "");
   if (from.empty() || rename(from.c_str(), target_.c_str()) == 0) return;
   throw InputError(path_, 1,
-                   std::string("cannot be replaced: ") + std::strerror(errno) + ", what was written is " + from);
+                   std::string("cannot be replaced: ") + std::strerror(errno) +
+                       ", expected a file that may be replaced; the new content is in " + from);
 }
 
 }  // namespace manycontact::cli

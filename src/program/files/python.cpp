@@ -46,7 +46,7 @@ std::string run_python(const Python& python, const std::string& script, const st
     const std::size_t end = printed.find('\n');
     throw InputError(printed.substr(0, end), 1, printed.substr(end + 1, printed.rfind('\n') - end - 1));
   }
-  if (status != 0) throw std::runtime_error(python.path + " failed in " + script);
+  if (status != 0) throw std::runtime_error("the script " + script + ", run by " + python.path + ", failed");
   return printed;
 }
 

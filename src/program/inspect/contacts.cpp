@@ -76,8 +76,8 @@ void print_contacts(std::ostream& out, const SceneFile& file) {
   }
   if (table.empty()) return;
   out << "\n"
-         "Contacts: frame A constrained to B', alpha [1/s^2] and beta [1/s], the placement error of A\n"
-         "and its velocity; of copies the first, and the largest of each\n";
+         "Contacts: frame A is constrained to B'; gains: alpha [1/s^2] and beta [1/s]; off by: placement and\n"
+         "velocity error of A. For copies the first contact and the largest errors are shown\n";
   table.print(out);
 }
 

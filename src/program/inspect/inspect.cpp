@@ -69,8 +69,8 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
   const auto relative = [least](double cost) { return number(cost / least); };
   if (is_deep(shape)) {  // the pattern of K is not computed for deep islands
     wrap(out,
-         "too deep for the orders of K to be compared: sparse-ldl " + relative(least) + " or more, sparse-bodies " +
-             number(costs.bodies / (costs.terms + least)),
+         "the trees are too deep for a comparison of elimination orders: sparse-ldl costs " + relative(least) +
+             " or more, sparse-bodies costs " + number(costs.bodies / (costs.terms + least)),
          4);
     wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
     return;
@@ -83,7 +83,7 @@ void print_costs(std::ostream& out, IslandShape& shape, const Options& options, 
         {to_string(order), std::to_string(std::llround(nonzeros)), relative(costs.ldl[k]), relative(costs.cholmod[k])});
   }
   table.print(out, 4);
-  wrap(out, "in orders of their own: dense " + relative(costs.dense), 4);
+  wrap(out, "the method dense, which has no order, costs " + relative(costs.dense), 4);
   wrap(out, "auto chooses " + why_chosen(choice, costs, options), 4);
 }
 
@@ -108,7 +108,8 @@ void print_islands(std::ostream& out, const Inspection& x) {
   }
   table.print(out);
   for (const IslandKind& kind : x.kinds)
-    if (!kind.ranks.known) wrap(out, "the rank was not computed, the island is too large", 2, x.name(kind) + ": ");
+    if (!kind.ranks.known)
+      wrap(out, "the rank was not computed, because the island is too large", 2, x.name(kind) + ": ");
   const std::vector<std::string> off = inactive(x);
   if (!off.empty()) wrap(out, join(off), 2, "contacts not active: ");
 }
@@ -124,7 +125,7 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
                  std::to_string(p.rank)});
     }
   if (table.empty()) return;
-  out << "\nContact groups: all contacts between the same two bodies; the first of identical ones\n";
+  out << "\nContact groups: all contacts between the same two bodies; of identical groups the first is shown\n";
   table.print(out);
 }
 
@@ -140,22 +141,24 @@ void print_memory(std::ostream& out, const Inspection& x) {
   }
   if (x.bytes <= 0 || scene.robots.empty()) return;
   const double robots = static_cast<double>(scene.robots.size());
-  out << "\nMemory: " << number(x.bytes / robots / 1e3) << " kB a robot to solve, and "
+  out << "\nMemory per robot: " << number(x.bytes / robots / 1e3) << " kB to solve, and "
       << number(derivatives / robots / 1e3) << " kB for all derivatives\n";
 }
 
 void print_costs(std::ostream& out, const Inspection& x) {
   if (x.kinds.empty()) return;
-  out << "\nCost of one solve, predicted, in units of the cheapest sparse one; non-zeros of L in each order\n";
+  out << "\nCost of one solve, predicted, relative to the cheapest sparse method; non-zeros of L in each order\n";
   for (std::size_t k = 0; k < x.kinds.size() && k < kMostKinds; ++k) {
     const IslandKind& kind = x.kinds[k];
     const std::size_t i = x.first(kind);
     if (k > 0) out << "\n";
     wrap(out, x.name(kind), 2);
     print_costs(out, *shape_of(x.data, i), x.data.options, chosen_method(x.data, i));
-    wrap(out, "solve tries, until one is sound: " + ways_of(scene_solved(x.file.scene, x.data), x.data, i), 4);
+    wrap(out,
+         "solve tries these methods until one is accurate: " + ways_of(scene_solved(x.file.scene, x.data), x.data, i),
+         4);
     const std::string changed = why_changed(chosen_method(x.data, i), x.data.report.islands[i]);
-    if (!changed.empty()) wrap(out, "at the scene's state " + changed, 4);
+    if (!changed.empty()) wrap(out, "at the scene's state, " + changed, 4);
   }
   print_more(out, x.kinds.size(), kMostKinds, "kinds of island");
 }
@@ -165,7 +168,7 @@ void print_advice(std::ostream& out, const Inspection& x) {
   const std::vector<std::string> bodies = advise_on_bodies(x.file.scene, x.data);
   advice.insert(advice.end(), bodies.begin(), bodies.end());
   out << "\nAdvice\n";
-  if (advice.empty()) out << "  none: all constraint rows are independent, and every robot takes part\n";
+  if (advice.empty()) out << "  none: all constraint rows are independent, and no robot can be omitted\n";
   for (const std::string& item : advice) wrap(out, item, 2, "- ");
 }
 

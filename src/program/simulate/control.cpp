@@ -32,7 +32,7 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
     const std::string name = title.substr(prefix.size());
     const auto found = index.find(name);
     if (found == index.end())
-      csv.fail("column " + quote(title) + " is none of the scene's, " + suggestion(name, names));
+      csv.fail("column " + quote(title) + " names nothing in the scene, " + suggestion(name, names));
     columns_.push_back(found->second);
     cell.push_back(k);
   }
@@ -40,7 +40,7 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
     t_.push_back(csv.t());
     for (std::size_t k : cell) values_.push_back(csv.number(k));
   }
-  if (t_.empty()) csv.fail("has no rows, expected at least one");
+  if (t_.empty()) csv.fail("has no rows, expected at least one row");
 }
 
 void TimeTable::at(double t, bool between, Eigen::VectorXd& x) const {
@@ -88,7 +88,8 @@ void Control::follow(const std::string& gains, const std::optional<std::string>&
     }
     const auto found = std::ranges::find(names, name);
     if (found == names.end())
-      throw UsageError("option --pd: " + quote(name) + " is no joint of one coordinate, " + suggestion(name, names));
+      throw UsageError("option --pd: there is no joint " + quote(name) + " with one coordinate, " +
+                       suggestion(name, names));
     const Gains k = two_numbers("--pd", "kp kd", space == std::string::npos ? "" : entry.substr(space + 1));
     const auto i = found - names.begin();
     if (std::ranges::find(torques, name) == torques.end())
@@ -116,9 +117,9 @@ void Control::for_all(double kp, double kd) {
     for (const Joint& joint : robot.model->joints) {
       if (robot.model->torque_index(joint) < 0) continue;
       if (joint.nv() > 1)
-        throw InputError(
-            file_.path, 1,
-            "joint " + quote(robot.name + "/" + joint.name) + " has several coordinates, expected none such for --pd");
+        throw InputError(file_.path, 1,
+                         "joint " + quote(robot.name + "/" + joint.name) +
+                             " has several coordinates, expected one coordinate for --pd");
       kp_[robot.idx_v + joint.idx_v] = kp, kd_[robot.idx_v + joint.idx_v] = kd;
     }
 }

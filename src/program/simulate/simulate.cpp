@@ -63,7 +63,7 @@ Run run_of(const Arguments& arguments) {
   run.integrator = integrator_of(arguments);
   const double time = arguments.positive("--time");
   run.h = arguments.positive("--step");
-  if (!(time / run.h <= kMostSteps)) throw UsageError("--time is more than 1e9 times --step");
+  if (!(time / run.h <= kMostSteps)) throw UsageError("--time is more than 1e9 times --step: choose a longer step");
   run.steps = std::max(1L, static_cast<long>(std::ceil(time / run.h - 1e-6)));
   run.every = arguments.integer("--every", 1, 1000000000, 1);
   return run;
@@ -187,9 +187,10 @@ void print_advice(std::ostream& out, const Scene& scene, const SimulationData& s
   if (!worst) return;
   const Gains fit = recommended_gains(sim.integrator, sim.h);
   wrap(out,
-       "contact " + worst->name + "'s gains " + number(worst->alpha) + " " + number(worst->beta) +
-           " are unstable with " + to_string(sim.integrator) + " beyond steps of " + number(least) +
-           " s; recommended for this step are " + number(fit.alpha) + " " + number(fit.beta),
+       "the gains " + number(worst->alpha) + " " + number(worst->beta) + " of contact " + worst->name +
+           " are unstable with " + to_string(sim.integrator) + " in steps above " + number(least) +
+           " s; for steps of " + number(sim.h) + " s the gains " + number(fit.alpha) + " " + number(fit.beta) +
+           " are recommended",
        2);
 }
 
@@ -212,7 +213,7 @@ std::string name_of(const Scene& scene, const SimulationData& sim, const SpringS
   if (sim.pd.kp.size() > 0 && (sim.pd.kp[i] > 0 || sim.pd.kd[i] > 0)) by.push_back("PD law");
   std::string list;
   for (std::size_t k = 0; k < by.size(); ++k) list += (k == 0 ? "" : k + 1 == by.size() ? " and " : ", ") + by[k];
-  return "joint " + velocity_names(scene)[i] + ", by its " + list + ",";
+  return "joint " + velocity_names(scene)[i] + ", because of its " + list + ",";
 }
 
 // Returns advice if the step h is too long for the spring or joint in `shortest`, otherwise "".
@@ -220,10 +221,9 @@ std::string spring_advice(const Scene& scene, const SimulationData& sim, const S
   if (!shortest.any() || shortest.largest >= sim.h) return "";
   const std::string who = name_of(scene, sim, shortest);
   if (sim.integrator == Integrator::kSemiImplicitEuler)
-    return who + " oscillates faster at the start than steps of " + number(sim.h) +
-           " s can follow; that takes steps of " + number(shortest.largest) +
-           " s. The step is stable, and such oscillations are damped";
-  return who + " is unstable with " + to_string(sim.integrator) + " beyond steps of " + number(shortest.largest) +
+    return who + " oscillates faster at the start than steps of " + number(sim.h) + " s can follow; steps of " +
+           number(shortest.largest) + " s can. The present step is stable, and damps such oscillations";
+  return who + " is unstable with " + to_string(sim.integrator) + " in steps above " + number(shortest.largest) +
          " s, for the initial inertia";
 }
 
@@ -232,9 +232,9 @@ std::string closed_away(const Scene& scene, const Switches::ImpactEvent& blow) {
   const auto size = [](const PlacementError& e) { return std::max(e.position, e.angle); };
   const PlacementError& worst = *std::ranges::max_element(blow.away, {}, size);
   return "at t = " + number(blow.t, 4) + " s contact " + scene.contacts[worst.contact].name + " closes " +
-         in_words(worst) + " away from its place" +
-         (blow.away.size() > 1 ? ", and " + std::to_string(blow.away.size() - 1) + " more do" : "") +
-         "; `here` fixes it where it is";
+         in_words(worst) + " away from its reference placement" +
+         (blow.away.size() > 1 ? ", and " + count(blow.away.size() - 1, "other contact") + " similarly" : "") +
+         "; `here` in place of `on` constrains a contact at its current placement";
 }
 
 void print_impacts(std::ostream& out, const Scene& scene, const Around& around) {
@@ -251,7 +251,9 @@ void print_impacts(std::ostream& out, const Scene& scene, const Around& around) 
 // Returns the switches of --switch that the run did not reach, or "" if all were made.
 std::string switches_not_reached(const Around& around, const SimulationData& sim) {
   const std::string list = around.switches ? around.switches->not_reached() : "";
-  return list.empty() ? "" : "not switched, for the run ended at t = " + number(sim.time(), 6) + " s: " + list;
+  return list.empty()
+             ? ""
+             : "contacts were not switched, because the run ended at t = " + number(sim.time(), 6) + " s: " + list;
 }
 
 void print_summary(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Around& around,
@@ -314,7 +316,7 @@ Around around_of(const Arguments& arguments, const SceneFile& file) {
   Around out{Control(file), Watch(file.scene, solver_options(arguments)), std::nullopt, nullptr, std::nullopt, {}};
   if (const auto wrenches = arguments.value("--wrenches")) {
     if (file.scene.wrenches.empty())
-      throw InputError(file.path, 1, "the scene has no <wrench>, expected those that --wrenches names");
+      throw InputError(file.path, 1, "the scene has no <wrench>, expected the wrenches that --wrenches gives");
     out.wrenches_in_time.emplace(*wrenches, "w:", wrench_names(file.scene));
     if (out.wrenches_in_time->empty())
       throw InputError(*wrenches, 1,
@@ -347,7 +349,8 @@ Gains two_numbers(const std::string& option, const std::string& names, const std
   }
   while (at && at != end && *at == ' ') ++at;
   if (at != end)
-    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "', neither below 0" + otherwise);
+    throw UsageError("option " + option + " is '" + text + "', expected '" + names + "' with both 0 or more" +
+                     otherwise);
   return {x[0], x[1]};
 }
 

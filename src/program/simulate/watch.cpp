@@ -156,17 +156,18 @@ void Watch::print(std::ostream& out, const SceneFile& file, const SimulationData
   const double gained = gained_energy(start, end, most_kinetic);
   const bool gains = std::ranges::any_of(scene.contacts, [](const Contact& c) { return c.alpha != 0 || c.beta != 0; });
   const std::string advice =
-      (!gains && end.violation_position >= kPlacementError ? ", --gains recommended keeps loops closed" : "") +
-      std::string(gained != 0 ? ", shorter steps keep more of the energy" : "");
+      (!gains && end.violation_position >= kPlacementError ? "; --gains recommended keeps loops closed" : "") +
+      std::string(gained != 0 ? "; shorter steps keep more of the energy" : "");
   const bool passed = singular_time_ >= 0 && (rank_time_ < 0 || singular_time_ < rank_time_);
   if (passed || rank_time_ >= 0 || largest_condition_ > kSingular * first_condition_)
     wrap(out,
-         (passed ? "passes a singular configuration at t = " + number(singular_time_, 4) +
+         (passed ? "the motion passes a singular configuration at t = " + number(singular_time_, 4) +
                        " s: contact rows lose rank there"
-          : rank_time_ >= 0
-              ? "near a singular configuration at t = " + number(rank_time_, 4) + " s: contact rows lose rank"
-              : "near a singular configuration at t = " + number(condition_time_, 4) + " s: condition " +
-                    scientific(largest_condition_) + ", at the start " + scientific(first_condition_)) +
+          : rank_time_ >= 0 ? "the motion is near a singular configuration at t = " + number(rank_time_, 4) +
+                                  " s: contact rows lose rank"
+                            : "the motion is near a singular configuration at t = " + number(condition_time_, 4) +
+                                  " s: the condition is " + scientific(largest_condition_) + ", at the start " +
+                                  scientific(first_condition_)) +
              "; forces there depend on the step" + advice,
          2);
   print_energy(out, scene, sim, gained, start, end, most_kinetic);
@@ -186,14 +187,15 @@ void Watch::print_energy(std::ostream& out, const Scene& scene, const Simulation
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
     wrap(out,
-         "steps of " + number(sim.h) + " s took " + number(-spring_work_) +
-             " J from springs that swing too fast for them; shorter steps take less, --integrator rk4 next to nothing",
+         "steps of " + number(sim.h) + " s removed " + number(-spring_work_) +
+             " J from springs that oscillate too fast for these steps; shorter steps remove less, and --integrator rk4 "
+             "almost nothing",
          2);
   if (gained == 0) return;
   const std::string why = near_dependent_.empty()
                               ? "steps of " + number(sim.h) +
                                     " s are too long for this motion, or gains correct contacts that are out of place" +
-                                    (gained < 0 && scene.damping > 0 ? ", or --damping dissipates it" : "")
+                                    (gained < 0 && scene.damping > 0 ? ", or --damping dissipates energy" : "")
                               : near_dependent_;
   wrap(out,
        gained > 0 ? "energy grew by " + number(gained) + " J more than the torques" +

@@ -29,9 +29,12 @@ void print_against_dense(std::ostream& out, const SolvedScene& s) {
   if (dense_answered(s.data.report)) return;
   const Scene& scene = s.file.scene;
   const double rough = rough_time_of_dense(scene, s.data);
-  out << "\nAgainst the dense rank-revealing method\n";
+  out << "\nComparison with the dense rank-revealing method\n";
   if (rough > kPatience && !s.compare) {
-    wrap(out, "left out: one solve would take some " + number(1e-6 * rough, 1) + " s (--compare does it)", 2);
+    wrap(out,
+         "not compared, because one dense solve would take about " + number(1e-6 * rough, 1) +
+             " s; --compare compares in any case",
+         2);
     return;
   }
   const int repeat = static_cast<int>(std::clamp(kPatience / rough, 1.0, double(s.repeat)));
@@ -41,13 +44,14 @@ void print_against_dense(std::ostream& out, const SolvedScene& s) {
   const Deviation a = worst_known(acceleration_deviations(scene, s.data.a, dense.data.a, gravity));
   const Deviation f = worst_known(force_deviations(scene, s.data.f_offset, s.data.f, dense.data.f));
   Table table("largest difference<|absolute|relative|<");
-  table.add({"accelerations", scientific(a.absolute), scientific(a.relative), "to the robot's largest, or gravity"});
+  table.add(
+      {"accelerations", scientific(a.absolute), scientific(a.relative), "relative to the robot's largest, or gravity"});
   if (s.data.f.size() > 0)
-    table.add({"forces", scientific(f.absolute), scientific(f.relative), "to the largest on the robot"});
+    table.add({"forces", scientific(f.absolute), scientific(f.relative), "relative to the largest on the robot"});
   table.print(out);
   wrap(out,
-       "one solve " + number(s.time.solve) + " us, dense " + number(dense.time.solve) +
-           " us: " + number(dense.time.solve / s.time.solve, 2) + " times as long",
+       "one solve takes " + number(s.time.solve) + " us, one dense solve " + number(dense.time.solve) + " us, " +
+           number(dense.time.solve / s.time.solve, 2) + " times as long",
        2);
 }
 

@@ -85,12 +85,13 @@ void print_derivatives(std::ostream& out, const SolvedScene& s) {
   const auto& changes = s.findings.rank_changes;
   for (std::size_t k = 0; k < changes.size() && k < 2; ++k)
     wrap(out,
-         "these assume constant rank, but it changes; " + in_words(s.file.scene, s.findings.velocity_names, changes[k]),
+         "derivatives assume that the rank is constant, but " +
+             in_words(s.file.scene, s.findings.velocity_names, changes[k]),
          2);
   if (changes.size() > 2) out << "  and in " << changes.size() - 2 << " more islands\n";
   if (unknown > 0)
-    out << "  not known (NaN) of " << unknown << (unknown == 1 ? " island" : " islands")
-        << " that were solved: the equations of derivatives could not be solved as well\n";
+    out << "  not known (NaN) of " << count(unknown, "solved island")
+        << ": the equations of the derivatives could not be solved\n";
 }
 
 }  // namespace manycontact::cli

@@ -72,8 +72,9 @@ void check_size_of_json(const Scene& scene) {
   for (const Contact& contact : scene.contacts) rows += contact.active ? contact.rows() : 0;
   const double numbers = rows * (2.0 * scene.nv + scene.nu);
   if (numbers > kMost)
-    throw UsageError("--derivatives --json: the scene's dense matrices have " + number(numbers) + " numbers, at most " +
-                     number(kMost) + " are written; the library has them by islands (differentiate)");
+    throw UsageError("--derivatives with --json would write dense matrices of " + number(numbers) +
+                     " numbers, expected at most " + number(kMost) +
+                     ": omit one of them; in the library differentiate() gives the derivatives by islands");
 }
 
 }  // namespace

@@ -19,8 +19,8 @@ namespace {
 std::string status_in_words(const Report& report, double damping) {
   switch (report.status) {
     case Status::kOk:
-      return damping > 0 ? "the damped system is solved to its residuals"
-                         : "the contacts are independent and the system is solved to its residuals";
+      return damping > 0 ? "the damped system is solved with small residuals"
+                         : "the contacts are independent, and the system is solved with small residuals";
     case Status::kRedundant:
       return "contacts are redundant and consistent; accelerations are exact, and forces that are not unique (*) have "
              "least "
@@ -30,10 +30,10 @@ std::string status_in_words(const Report& report, double damping) {
     case Status::kRegularised:
       return std::ranges::any_of(report.islands,
                                  [](const IslandReport& island) { return island.reason == Reason::kUncertain; })
-                 ? "the solution of a neighbouring problem: rounding errors may change it by more than its size"
-                 : "the solution of a neighbouring problem, not of the one given";
+                 ? "this is the solution of a neighbouring problem: rounding errors may be larger than the solution"
+                 : "this is the solution of a neighbouring problem, not of the given problem";
     case Status::kFailed:
-      return "at least one island has no solution; its accelerations and forces are NaN";
+      return "at least one island has no solution; accelerations and forces of such islands are NaN";
   }
   return "";
 }
@@ -89,7 +89,7 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   for (std::size_t k = 0; k < std::min(kShown, r.dependent_rows.size()); ++k)
     text += (k ? ", " : "") + names[r.dependent_rows[k]];
   if (r.dependent_rows.size() > kShown) text += ", and " + std::to_string(r.dependent_rows.size() - kShown) + " more";
-  return text + " follow from the other rows";
+  return text + (r.dependent_rows.size() == 1 ? " follows" : " follow") + " from the other rows";
 }
 
 // Returns the error bounds in words, such as "at most 1.2e-13 of the largest acceleration, forces are rounding errors",
@@ -130,7 +130,7 @@ void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) 
   if (r.status == Status::kFailed) return line("why", why(s, kind));
   const bool examined = s.file.scene.damping == 0 || r.rank < r.nc;
   line("rank", examined ? std::to_string(r.rank) + " of " + std::to_string(r.nc) + each
-                        : "not computed: with damping any rank is accepted; `inspect` computes it");
+                        : "not computed, because damping permits any rank; `inspect` computes the rank");
   line("dependent", dependent_rows(s, r));
   line("method", to_string(r.method) + (has_order(r.method) ? ", " + to_string(r.order) + " order" : ""));
   line("why", why(s, kind));

@@ -112,7 +112,7 @@ void print_accelerations(std::ostream& out, const SolvedScene& s) {
   }
   out << "\nAccelerations [m/s^2, rad/s^2] and the sum of the contact forces on each robot [N]\n";
   print_lines(out, Table("robot<24|base linear|base angular|joints, largest|at<22|force"), lines, kMostRobots);
-  if (nothing_accelerates(s.data.report)) out << "  no accelerations except rounding errors\n";
+  if (nothing_accelerates(s.data.report)) out << "  all accelerations are rounding errors\n";
 }
 
 void print_forces(std::ostream& out, const SolvedScene& s) {
@@ -132,15 +132,16 @@ void print_forces(std::ostream& out, const SolvedScene& s) {
   }
   if (lines.empty()) return;
   for (Line& line : lines) line.cells.resize(8);
-  out << "\nContact forces on frame A [N, N m], in its own axes (local) or the world's\n";
+  out << "\nContact forces on frame A [N, N m], in the axes of A (local) or of the world (world)\n";
   print_lines(out, Table("contact<24|type<|axes<|fx|fy|fz|mx|my|mz"), lines, kMostContacts);
   if (any_shared)
-    wrap(out,
-         "contacts could share these in other ways with the same accelerations: shown are those of least norm, with a "
-         "newton metre weighted as " +
-             (s.file.scene.moment_length == 1 ? "a newton" : number(1 / s.file.scene.moment_length) + " newtons") +
-             "; forces without a mark are unique",
-         2, "* ");
+    wrap(
+        out,
+        "these forces are not unique: other forces cause the same accelerations. The forces shown have the least norm, "
+        "with a newton metre weighted as " +
+            (s.file.scene.moment_length == 1 ? "a newton" : number(1 / s.file.scene.moment_length) + " newtons") +
+            "; forces without a mark are unique",
+        2, "* ");
   print_total(out, s);
 }
 

@@ -212,7 +212,8 @@ int run_stability(const Arguments& arguments) {
   check_folder("--out", folder,
                {"drift.csv", "drift.svg", "drift.png", "energy.csv", "energy.svg", "energy.png", "stability.json"},
                file.files);
-  if (file.scene.contacts.empty()) throw InputError(path, 1, "there are no contacts, expected some to drift");
+  if (file.scene.contacts.empty())
+    throw InputError(path, 1, "the scene has no contacts, expected at least one contact");
   file.u.setZero();
   std::error_code error;
   fs::create_directories(folder, error);
@@ -228,7 +229,7 @@ int run_stability(const Arguments& arguments) {
   run_python(python, script_path("stability.py"), {folder});
   const bool energy = std::ranges::any_of(runs, [](const EnergyRun& run) { return run.last.error > 0; });
   std::cout << "charts: drift" << (energy ? " and energy" : "") << ", .png and .svg, in " << printable(folder) << "\n";
-  if (!energy) std::cout << "no energy chart: no run that took a step has an energy error\n";
+  if (!energy) std::cout << "there is no energy chart, because no run that took a step has an energy error\n";
   return kExitOk;
 }
 

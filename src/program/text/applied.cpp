@@ -36,7 +36,7 @@ struct At {
 
 void print_wrenches(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.wrenches.empty()) return;
-  out << "\nPushes: where they act [m], force [N] and torque [N m]\n";
+  out << "\nExternal wrenches: point of action [m], force [N] and torque [N m]\n";
   Table table("wrench<|on<|at|force|torque|axes<", kMostListed);
   for (const ExternalWrench& push : scene.wrenches)
     table.add({push.name, name_of(scene, push.at), three(at.place(push.at)), three(push.wrench.head<3>()),
@@ -46,7 +46,7 @@ void print_wrenches(std::ostream& out, const Scene& scene, const At& at) {
 
 void print_springs(std::ostream& out, const Scene& scene, const At& at) {
   if (scene.springs.empty()) return;
-  out << "\nSprings: ends [m], length and length at rest [m], force [N], above 0 where it pulls the ends together\n";
+  out << "\nSprings: ends [m], length and length at rest [m], force [N] (positive: pulls the ends together)\n";
   Table table("spring<|on<|at|to<|at|length|at rest|force", kMostListed);
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const Spring& spring = scene.springs[k];
@@ -61,7 +61,7 @@ void print_springs(std::ostream& out, const Scene& scene, const At& at) {
 void print_joint_springs(std::ostream& out, const SceneFile& file) {
   const Scene& scene = file.scene;
   if (scene.joint_springs.empty()) return;
-  out << "\nSprings in joints: at and at rest [rad, m], torque [N m, N]\n";
+  out << "\nSprings in joints: position and position at rest [rad, m], torque [N m, N]\n";
   Table table("joint<|at|at rest|torque", kMostListed);
   for (const JointSpring& spring : scene.joint_springs) {
     const Robot& robot = scene.robots[spring.robot];

@@ -11,9 +11,10 @@ std::string why_changed(const Choice& choice, const IslandReport& report) {
                                           : "rows are dependent: sparse-ldl in " + to_string(report.order) +
                                                 " order computed the forces of least norm";
   if (report.changed_order)
-    return to_string(choice.order) + " order was not accurate" + reason + ", " + to_string(report.order) + " solved it";
+    return to_string(choice.order) + " order was not accurate" + reason + ", and " + to_string(report.order) +
+           " order was used";
   if (report.method != choice.method)
-    return to_string(choice.method) + " gave up" + reason + ", " + to_string(report.method) + " solved it";
+    return to_string(choice.method) + " failed" + reason + ", and " + to_string(report.method) + " was used";
   return "";
 }
 

@@ -79,7 +79,8 @@ void print_files(std::ostream& out, const std::vector<Finding>& findings) {
     for (std::size_t k = 0; k < shown; ++k)
       wrap(out, join(places.at(kind + ":" + all[k]), kMostPlaces) + ": " + all[k], 2, kind + ": ");
     if (shown < all.size())
-      wrap(out, "and " + std::to_string(all.size() - shown) + " more such; the JSON of `solve` has all", 2,
+      wrap(out,
+           "there are " + std::to_string(all.size() - shown) + " more such findings; the JSON of `solve` lists all", 2,
            kind + ": ");
   }
 }
@@ -156,20 +157,22 @@ std::string in_words(const Scene& scene, const Violation& v) {
 std::string in_words(const Scene& scene, const TurningRows& rows) {
   const Contact& contact = scene.contacts[rows.contact];
   const bool local = contact.reference_frame == ReferenceFrame::kLocal;
-  return contact.name + " slides across its rows, which turn " + (local ? "with A" : "if seen from B'") +
-         ": `solve` gives its velocity along them a rate of " + number(rows.rate) +
-         " m/s^2 (Crocoddyl's formula), `simulate` keeps it constant" +
-         (contact.alpha != 0 ? " and does not correct placement errors along them" : "") +
-         (local && contact.B.robot < 0 ? "; reference_frame=\"world\" has rows that do not turn" : "");
+  return contact.name + " slides across its rows, which rotate " + (local ? "with A" : "relative to B'") +
+         ": `solve` changes the velocity along the rows by " + number(rows.rate) +
+         " m/s^2 (Crocoddyl's formula), `simulate` keeps this velocity constant" +
+         (contact.alpha != 0 ? " and does not correct placement errors along the rows" : "") +
+         (local && contact.B.robot < 0 ? "; with reference_frame=\"world\" the rows do not rotate" : "");
 }
 
 std::string in_words(const Scene& scene, const std::vector<std::string>& velocity_names, const RankChange& c) {
-  std::string text = contact_names(scene, c.contacts) + ": rank " + std::to_string(c.rank) + " of " +
-                     std::to_string(c.rows) + " rows here, more at neighbouring configurations";
-  if (c.coordinate >= 0) text += ", where contacts constrain " + velocity_names[c.coordinate] + " too, most of all";
-  return text + (c.singular ? "; a singular configuration: accelerations are valid here only, derivatives do not exist"
-                            : "; rows are dependent only while they are satisfied: derivatives exist along motions "
-                              "that satisfy them, not across");
+  std::string text = "the rank of the rows of " + contact_names(scene, c.contacts) + " is " + std::to_string(c.rank) +
+                     " of " + std::to_string(c.rows) + " at this configuration, and larger at neighbouring ones";
+  if (c.coordinate >= 0) text += ", where contacts also constrain " + velocity_names[c.coordinate] + ", most of all";
+  return text + (c.singular
+                     ? "; the configuration is singular: accelerations are valid only here, and derivatives do "
+                       "not exist"
+                     : "; the rows are dependent only while the constraints are satisfied: derivatives exist along "
+                       "motions that satisfy the constraints, but not across these motions");
 }
 
 void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
@@ -188,15 +191,15 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.misplaced, "out of place", [](const PlacementError& e) { return std::max(e.position, e.angle); },
       [&](const PlacementError& e) {
         const Contact& c = scene.contacts[e.contact];
-        return "by " + in_words(e) + (c.alpha == 0 ? ", which nothing corrects: its gains are zero" : "");
+        return "by " + in_words(e) + (c.alpha == 0 ? "; the error is not corrected, because alpha is 0" : "");
       });
   print_contacts(
       out, scene, f.moving, "moves although constrained",
       [](const VelocityError& e) { return std::max(e.linear, e.angular); },
       [&](const VelocityError& e) {
         const Contact& c = scene.contacts[e.contact];
-        return "by " + in_words(e) + (c.beta == 0 ? ", which nothing corrects: its gains are zero" : "") +
-               "; consistent=\"true\" of the scene makes velocities consistent";
+        return "by " + in_words(e) + (c.beta == 0 ? "; the velocity is not corrected, because beta is 0" : "") +
+               "; consistent=\"true\" in the scene makes velocities consistent";
       });
   for (const ViolationKind kind :
        {ViolationKind::kPulls, ViolationKind::kSlips, ViolationKind::kTips, ViolationKind::kTurns}) {
@@ -212,7 +215,7 @@ void print_findings(std::ostream& out, const Scene& scene, const Findings& f) {
       out, scene, f.contradictions, "contradicted",
       [](const Contradiction& c) { return std::max(c.linear, c.angular); }, contradicted_by);
   print_massless(out, f.massless);
-  print_some(out, in_words_of(f.turning, [&](const auto& x) { return in_words(scene, x); }), "rows that turn: ");
+  print_some(out, in_words_of(f.turning, [&](const auto& x) { return in_words(scene, x); }), "rows that rotate: ");
   print_some(out,
              in_words_of(f.rank_changes,
                          [&](const RankChange& c) { return c.singular ? in_words(scene, f.velocity_names, c) : ""; }),
@@ -260,7 +263,7 @@ void add_findings(const Scene& scene, const Findings& f, Json& to) {
   }
   for (const VelocityError& e : f.moving) {
     to["velocity_errors"].push_back({{"contact", contact_name(e)}, {"linear", e.linear}, {"angular", e.angular}});
-    say("velocity", contact_name(e), "moves although constrained by " + in_words(e));
+    say("velocity", contact_name(e), "moves by " + in_words(e) + ", although constrained");
   }
   for (const Violation& v : f.violations) {
     to["violations"].push_back(json_of(scene, v));

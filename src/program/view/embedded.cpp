@@ -36,8 +36,8 @@ PageParts page_parts() {
 void check_page_parts() {
   if (page_parts().three.empty())
     throw std::runtime_error(
-        "a view needs three.js, which was not there when this program was built: install libjs-three (Debian's name) "
-        "and build again, `./run build` does both");
+        "a view needs three.js, which was not found when this program was built: install libjs-three (its name in "
+        "Debian) and build again; `./run build` does both");
 }
 
 }  // namespace manycontact::cli

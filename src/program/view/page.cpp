@@ -94,8 +94,9 @@ void check_size(const Recording& r) {
                         20. * static_cast<double>(r.points.size()) +  // also normals, forces and placements of contacts
                         4. * static_cast<double>(r.wrenches.size() + r.springs.size()));
   if (bytes > kLargestPage)
-    throw UsageError("the view would be " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
-                     " frames, expected at most " + number(kLargestPage / 1e6) + ": a shorter motion or fewer robots");
+    throw UsageError("the page would have " + number(bytes / 1e6) + " MB with " + number(frames, 6) +
+                     " frames, expected at most " + number(kLargestPage / 1e6) +
+                     " MB: choose a shorter motion or fewer robots");
 }
 
 }  // namespace

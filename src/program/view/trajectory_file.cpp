@@ -61,7 +61,7 @@ class Forces {
   [[noreturn]] void refuse() const {
     std::ostringstream t;
     t << std::setprecision(15) << row_.t();
-    row_.fail("contains forces at t = " + t.str() + ", where the trajectory has no state, expected its times");
+    row_.fail("contains forces at t = " + t.str() + ", where the trajectory has no state, expected a time of a state");
   }
 
   CsvReader row_;
@@ -89,7 +89,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
     if (forces_file) forces_file->set(state);
     add_state(state, recording);
   }
-  if (row.t() == -INFINITY) row.fail("has no states, expected a row for each");
+  if (row.t() == -INFINITY) row.fail("has no states, expected at least one row");
   if (forces_file) forces_file->finish();
 }
 

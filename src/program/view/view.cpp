@@ -42,9 +42,9 @@ void finish_view(const Arguments& arguments, const SceneFile& file, std::optiona
 int run_view(const Arguments& arguments) {
   const std::string path = scene_operand(arguments);
   const auto trajectory = arguments.value("--trajectory"), forces = arguments.value("--forces");
-  if (forces && !trajectory) throw UsageError("--forces is given without --trajectory");
+  if (forces && !trajectory) throw UsageError("--forces needs --trajectory, which is missing");
   const double rate = arguments.positive("--rate", 50), friction = arguments.positive("--friction", 1e-300);
-  if (rate > kMostRate) throw UsageError("--rate is more than 1000 frames per second");
+  if (rate > kMostRate) throw UsageError("--rate is above 1000 frames per second, expected at most 1000");
   const std::string out = arguments.required("--out");
   check_files(arguments, {path, trajectory.value_or("-"), forces.value_or("-")}, {"--out"});
 

@@ -11,7 +11,10 @@ import numpy
 
 
 def _refuse(self, *_, **__):
-    raise TypeError("a copy, which does not change its origin: assign the attribute, or change a list or dict of it")
+    raise TypeError(
+        "this is a copy, and changing the copy would not change the original: assign the attribute, or change a list "
+        "or dict made of the copy"
+    )
 
 
 class ReadOnlyList(list):
@@ -35,7 +38,7 @@ class ReadOnlyDict(dict):
     def __missing__(self, key):
         near = difflib.get_close_matches(str(key), map(str, self), 1)
         known = f"did you mean {near[0]!r}?" if near else f"expected one of {', '.join(map(repr, list(self)[:8]))}"
-        raise KeyError(f"there is no {key!r}, {known}")
+        raise KeyError(f"there is no key {key!r}, {known}")
 
     def __reduce__(self):
         return dict, (dict(self),)
@@ -239,8 +242,9 @@ def _refuse_methods_of(family, expected):
         others = [name for name in (family.__name__, *_CALLED) if own[0] in _CALLED_ALONE.get(name, _CALLED.get(name, ()))]
         known = [name for name in others if issubclass(getattr(_module, name), family)]
         raise TypeError(
-            f"{cls.__name__} defines {', '.join(own)}, which C++ would not call: {base.__name__} is a class of C++'s, "
-            + (f"derive from {known[0]}" if known else "and has no place for it")
+            f"{cls.__name__} defines {', '.join(own)}, which C++ would not call for classes derived from "
+            f"{base.__name__}: "
+            + (f"derive from {known[0]}" if known else "remove the method")
         )
 
     family.__init_subclass__ = classmethod(check)

@@ -54,7 +54,9 @@ def description_path(name: str) -> str:
             f"use: {type(error).__name__}: {error}"
         ) from error
     if not hasattr(description, "URDF_PATH"):
-        other = f"only a xacro file, {description.XACRO_PATH}: expand it" if hasattr(description, "XACRO_PATH") else "only another format"
+        other = "only a file of another format"
+        if hasattr(description, "XACRO_PATH"):
+            other = f"only a xacro file, {description.XACRO_PATH}: expand the file with xacro"
         raise InputError(f"load_description: robot_descriptions has no URDF of '{short}', {other}")
     _find_meshes(description)
     return str(description.URDF_PATH)

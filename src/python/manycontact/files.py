@@ -163,7 +163,7 @@ def _check_equal(scene: Scene, written: SceneFile, q: Any) -> None:
     """Raises ValueError unless both scenes have the same accelerations, with contacts at q."""
     other = written.scene
     if (scene.nq, scene.nv, scene.nu) != (other.nq, other.nv, other.nu):
-        raise ValueError("write_scene: a robot has other joints than its URDF, for instance locked ones")
+        raise ValueError("write_scene: a robot has other joints than its URDF, for instance locked joints")
 
     def differ(a: Any, b: Any) -> bool:
         return not numpy.allclose(a, b, rtol=1e-9, atol=1e-9 * max(1.0, numpy.max(numpy.abs(a), initial=0)))
@@ -174,8 +174,8 @@ def _check_equal(scene: Scene, written: SceneFile, q: Any) -> None:
         inertias = crba(scene, state[0]), crba(other, state[0])
         if differ(*inertias) or differ(aba(scene, *state, tau), aba(other, *state, tau)):
             raise ValueError(
-                "write_scene: a robot is not that of its URDF: it has another root, varied masses, springs in joints "
-                "or joint friction, which the file would not have"
+                "write_scene: a robot differs from its URDF by another root, varied masses, springs in joints or joint "
+                "friction, which the file would not contain"
             )
     data = SceneData(scene, Options()), SceneData(other, Options())
     for x, of in zip(data, (scene, other)):
@@ -211,7 +211,7 @@ def write_scene(
     try:
         written = load_scene_text(text, str(file))
     except InputError as error:
-        raise ValueError(f"write_scene: a robot is not that of its URDF, for instance with locked joints: {error}")
+        raise ValueError(f"write_scene: a robot differs from its URDF, for instance by locked joints: {error}")
     _check_equal(scene, written, q)
     file.write_text(text, encoding="utf-8")
     return load_scene_text(text, str(file))

@@ -18,7 +18,9 @@ def _program() -> str:
     beside = pathlib.Path(__file__).resolve().parents[2] / "bin" / "manycontact"
     found = os.environ.get("MANYCONTACT_BINARY") or shutil.which("manycontact") or (str(beside) if beside.exists() else "")
     if not found:
-        raise RuntimeError("view: pages are written by the program manycontact: put it on the PATH")
+        raise RuntimeError(
+            "view: the program manycontact, which writes the pages, was not found: put the program on the PATH"
+        )
     return found
 
 

@@ -89,15 +89,16 @@ void advise_idle(const Scene& scene, const SceneData& data, const State& s, int 
   int joints = 0;
   for (const auto& subtree : subtrees) joints += 1 + subtree.second;
   if (!s.robot_touched[r] && !model.floating_base && joints == model.njoints()) {
-    said.add("fixed to the world, at rest and without contact: the solution of the scene is the same without it", r);
+    said.add("the robot is fixed to the world, at rest and without contact: without the robot the solution is the same",
+             r);
     return;
   }
-  if (!s.robot_touched[r] && model.floating_base) said.add("floats freely, without contact", r);
+  if (!s.robot_touched[r] && model.floating_base) said.add("the robot floats freely, without contact", r);
   const std::vector<std::string> names = joint_names(model, subtrees);
   if (!names.empty())
     said.add(count(joints, "joint") +
-                 " could be locked (`<lock>`) without a change of the solution at this state, having no contact "
-                 "beyond, no velocity and no acceleration: " +
+                 " could be locked (`<lock>`) without a change of the solution at this state, since these joints have "
+                 "no velocity and no acceleration, and no contact beyond them: " +
                  join(names, 20),
              r);
 }
@@ -110,15 +111,15 @@ void advise_massless(const Scene& scene, int r, Said& said) {
   };
   const std::vector<std::string> names = joint_names(model, whole_subtrees(model, massless));
   if (!names.empty())
-    said.add("no mass beyond " + join(names, 20) +
-                 ": M is singular there except for armature, unless a contact constrains it",
+    said.add("there is no mass beyond " + join(names, 20) +
+                 ": the inertia matrix is singular there except for armature, unless contacts constrain these joints",
              r);
 }
 
 }  // namespace
 
 std::vector<std::string> advise_on_bodies(const Scene& scene, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("advise_on_bodies: solve first");
+  if (data.serial == 0) throw std::logic_error("advise_on_bodies: there is no solution, call solve first");
   const State state = read_state(scene, data);
   Said said;
   for (int r = 0; r < scene.nrobots(); ++r) {

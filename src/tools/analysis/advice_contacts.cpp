@@ -41,7 +41,7 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   std::string text = "the " + std::to_string(x.island.nc) + " contact rows of " +
                      robot_names(x.scene, x.island.robots) + " have rank " + std::to_string(ranks.rank);
   if (n != x.island.nc - ranks.rank) {
-    advice.push_back(text + "; which rows are redundant depends on the tolerance: they are nearly dependent");
+    advice.push_back(text + "; rows are nearly dependent, so that the tolerance decides which rows are redundant");
     return;
   }
   text += "; " + count(n, "row") + (n == 1 ? " is" : " are") +
@@ -51,7 +51,8 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   if (any_only_just(ranks, x.island.contacts)) return;  // nearly dependent rows make the advice unreliable
   text = "the remaining rows impose the same constraint: " + join(s.kept, kMostItems);
   if (!s.dropped.empty()) text += "; to be dropped: " + join(s.dropped, kMostItems);
-  if (x.scene.damping > 0) text += " (the damping acts on every row: removing some changes the solution by as much)";
+  if (x.scene.damping > 0)
+    text += " (the damping acts on every row, so that removing rows changes the solution in the order of the damping)";
   advice.push_back(text);
 }
 
@@ -76,7 +77,7 @@ Replacement replacement(const Scene& scene, const BodyPair& p) {
     case Holds::kLine:
       return {start +
               "points on a line constrain five motions, all but the rotation about the line, and no single "
-              "type does"};
+              "contact type imposes this constraint"};
     case Holds::kEach:
       return {"", p.rows};
     case Holds::kFewerRows:
@@ -107,8 +108,8 @@ void advise_pairs(const Subject& x, std::vector<std::string>& advice) {
                      ", and all are linearly independent");
   if (sum > ranks.rank)
     advice.push_back("the contact groups of " + robot_names(x.scene, x.island.robots) +
-                     " are coupled through the robots: their ranks add up to " + std::to_string(sum) +
-                     ", together they have " + std::to_string(ranks.rank));
+                     " are coupled through the robots: the ranks of the groups add up to " + std::to_string(sum) +
+                     ", but the rank of all rows is " + std::to_string(ranks.rank));
 }
 
 void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
@@ -116,10 +117,10 @@ void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
     const Contact& contact = x.scene.contacts[l.contact];
     std::string text = contact.name + " (" + to_string(contact.type) + ", " + count(contact.rows(), "row") +
                        ") has rank " + std::to_string(l.rank) +
-                       (l.only_just > 0 ? ", and " + count(l.only_just, "row") + " more, nearly dependent" : "") +
-                       ": at this configuration its bodies cannot move in the other directions";
-    if (l.rank == 0) text += ", it imposes no constraint";
-    if (!l.type.empty()) text += "; " + l.type + " at the same frame imposes the same constraint there";
+                       (l.only_just > 0 ? ", in addition to " + count(l.only_just, "nearly dependent row") : "") +
+                       ": at this configuration the bodies cannot move in the other directions";
+    if (l.rank == 0) text += ", and the contact imposes no constraint";
+    if (!l.type.empty()) text += "; " + l.type + " at the same frame imposes the same constraint";
     advice.push_back(text + and_more(x.kind.islands.size() - 1, "island"));
   }
 }
@@ -128,7 +129,7 @@ void advise_lighter(const Subject& x, std::vector<std::string>& advice) {
 
 std::vector<std::string> advise_on_contacts(const Scene& scene, const SceneData& data,
                                             const std::vector<IslandKind>& kinds) {
-  if (data.serial == 0) throw std::logic_error("advise_on_contacts: solve first");
+  if (data.serial == 0) throw std::logic_error("advise_on_contacts: there is no solution, call solve first");
   std::vector<std::string> advice;
   for (const IslandKind& kind : kinds) {
     const Subject subject{scene, solved_island(data, static_cast<std::size_t>(kind.islands.front())), kind};

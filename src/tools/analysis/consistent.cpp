@@ -77,7 +77,8 @@ std::string worst_in_words(const Scene& scene, const std::vector<Error>& list, c
 ConsistentState make_consistent(const Scene& scene, const std::vector<char>& active, const ConstVectorRef& q,
                                 const ConstVectorRef& v, const Options& options) {
   if (active.size() != scene.contacts.size() || q.size() != scene.nq || v.size() != scene.nv)
-    throw std::invalid_argument("make_consistent: active, q or v does not fit the scene");
+    throw std::invalid_argument(
+        "make_consistent: active, q or v has a wrong size, expected a flag per contact, nq and nv numbers");
   expect_configuration("make_consistent", "q", q, scene);
   expect_numbers("make_consistent", "v", v, scene.nv);
   ConsistentState out{q, v, Status::kOk, 0, {}, {}};
@@ -117,8 +118,8 @@ void make_consistent(SceneFile& file) {
   file.q = found.q;
   file.v = found.v;
   if (moved.empty()) return;
-  file.findings.push_back(
-      {"consistent", scene.name, "made consistent with the contacts" + moved, file.path, file.consistent_line});
+  file.findings.push_back({"consistent", scene.name, "q and v were made consistent with the contacts" + moved,
+                           file.path, file.consistent_line});
 }
 
 }  // namespace manycontact

@@ -26,7 +26,7 @@ Key key_of(const IslandRanks& ranks) {
 }  // namespace
 
 std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("find_kinds: solve first");
+  if (data.serial == 0) throw std::logic_error("find_kinds: there is no solution, call solve first");
   std::map<Key, std::size_t> seen;
   std::vector<IslandKind> kinds;
   for (std::size_t i = 0; i < island_count(data); ++i) {

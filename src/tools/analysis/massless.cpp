@@ -37,16 +37,16 @@ std::string lacking(JointType type) {
     case JointType::kPrismatic:
       return "mass";
     case JointType::kRevolute:
-      return "a moment of inertia about its axis";
+      return "a moment of inertia about the joint's axis";
     default:
       return "mass or a moment of inertia";
   }
 }
 
 std::string why_massless(const Model& model, int i) {
-  if (nothing_below(model, i)) return "no mass below it";
-  const std::string own = "its bodies lack " + lacking(model.joints[i].type);
-  return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below it move the rest alone";
+  if (nothing_below(model, i)) return "there is no mass below the joint";
+  const std::string own = "the joint's bodies lack " + lacking(model.joints[i].type);
+  return model.subtree_end[i] == i + 1 ? own : own + ", and the joints below can move all other bodies";
 }
 
 std::set<int> massless_of(const Robot& robot, const ConstVectorRef& q) {

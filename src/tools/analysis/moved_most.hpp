@@ -7,13 +7,13 @@
 
 namespace manycontact::internal {
 
-/// Returns ", q most of all of r/knee, by 0.1" for what = "q", or "" if all |x| are below kPlacementError.
+/// Returns "; q changed most at r/knee, by 0.1" for what = "q", or "" if all |x| are below kPlacementError.
 inline std::string moved_most(const std::string& what, const std::vector<std::string>& names,
                               const Eigen::VectorXd& x) {
   Eigen::Index k = 0;
   const double most = x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff(&k);
   if (!(most >= kPlacementError)) return "";
-  return ", " + what + " most of all of " + names[k] + ", by " + text::number(x[k]);
+  return "; " + what + " changed most at " + names[k] + ", by " + text::number(x[k]);
 }
 
 }  // namespace manycontact::internal

@@ -45,7 +45,8 @@ std::string frame_name(const Scene& scene, const Attachment& at) {
 Body body_of(const Attachment& a) { return a.joint < 0 ? Body{} : Body{a.robot, a.joint}; }
 
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body) {
-  if (on_body.empty()) throw std::invalid_argument("place_name: there are no attachments");
+  if (on_body.empty())
+    throw std::invalid_argument("place_name: there are no attachments, at least one attachment is expected");
   const Attachment& first = *on_body.front();
   const std::string name = frame_name(scene, first);
   bool same = !name.empty();

@@ -64,19 +64,19 @@ void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal:
 }  // namespace
 
 RankGap rank_gap(const Scene& scene, const SceneData& data, std::size_t island) {
-  if (data.serial == 0) throw std::logic_error("rank_gap: solve first");
+  if (data.serial == 0) throw std::logic_error("rank_gap: there is no solution, call solve first");
   return gap_of(scene, data, island);
 }
 
 std::vector<RankGap> rank_gaps(const Scene& scene, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("rank_gaps: solve first");
+  if (data.serial == 0) throw std::logic_error("rank_gaps: there is no solution, call solve first");
   std::vector<RankGap> out;
   for (std::size_t i = 0; i < data.report.islands.size(); ++i) out.push_back(gap_of(scene, data, i));
   return out;
 }
 
 std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorRef& at, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("near_dependent: solve first");
+  if (data.serial == 0) throw std::logic_error("near_dependent: there is no solution, call solve first");
   expect_configuration("near_dependent", "q", at, scene);
   std::vector<NearDependent> out;
   std::optional<internal::AtRest> rest;
@@ -117,15 +117,16 @@ std::vector<NearDependent> near_dependent(const Scene& scene, const ConstVectorR
 std::string in_words(const Scene& scene, const NearDependent& n) {
   char left[32];
   std::snprintf(left, sizeof left, "%.1e", n.left);
-  std::string text =
-      std::string("the other rows leave ") + left + " of " + (n.rows.size() == 1 ? "it" : "the least of them");
-  if (std::isfinite(n.times) && n.times > 1) text += ", forces are " + text::number(n.times) + " times the loads";
+  std::string text = std::string("only ") + left + " of " + (n.rows.size() == 1 ? "the row" : "the smallest row") +
+                     " is independent of the other rows";
+  if (std::isfinite(n.times) && n.times > 1) text += ", and forces are " + text::number(n.times) + " times the loads";
   const double rounding = 1e-9 * std::abs(n.without);
-  text += "; without, " + velocity_names(scene)[n.coordinate] + " would accelerate by " + text::number(n.without) +
-          " instead of " + text::number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
+  text += std::string("; without the row") + (n.rows.size() == 1 ? "" : "s") + ", " +
+          velocity_names(scene)[n.coordinate] + " would accelerate by " + text::number(n.without) + " instead of " +
+          text::number(std::abs(n.acceleration) > rounding ? n.acceleration : 0);
   return text +
-         ". Rounded numbers in a file cause this: `inspect` recommends other contacts, and tolerance=\"...\" of the "
-         "scene sets its accuracy";
+         ". Rounded numbers in a file cause such rows: `inspect` recommends other contacts, and tolerance=\"...\" in "
+         "the scene sets the accuracy of the numbers";
 }
 
 }  // namespace manycontact

@@ -56,32 +56,35 @@ namespace {
 }
 
 void check(const Scene& scene, const Goal& goal) {
-  if (!(goal.weight > 0 && std::isfinite(goal.weight))) refuse(goal, "has no finite weight above 0");
+  if (!(goal.weight > 0 && std::isfinite(goal.weight)))
+    refuse(goal, "has a weight that is not a finite number above 0");
   for (const Partial* numbers : {&goal.position, &goal.rpy})
     for (const auto& x : *numbers)
-      if (x && !std::isfinite(*x)) refuse(goal, "has a number that is not finite");
+      if (x && !std::isfinite(*x)) refuse(goal, "has a number that is not finite, finite numbers are expected");
   switch (goal.target) {
     case Goal::Target::kFrame:
       if (goal.frame.robot < 0 || goal.frame.robot >= scene.nrobots() || goal.frame.joint < -1 ||
           goal.frame.joint >= scene.robots[goal.frame.robot].model->njoints())
-        refuse(goal, "is not of a frame on a robot of this scene");
+        refuse(goal, "belongs to no frame on a robot of this scene: make the goal with pose_goal and this scene");
       break;
     case Goal::Target::kCenterOfMass:
-      if (goal.robot >= scene.nrobots()) refuse(goal, "is not of a robot of this scene");
+      if (goal.robot >= scene.nrobots()) refuse(goal, "belongs to no robot of this scene");
       if (!(total_mass(goal.robot < 0 ? RigidBodies(scene) : RigidBodies(scene, scene.robots[goal.robot].name)) > 0))
-        refuse(goal, "is of robots without mass");
+        refuse(goal, "belongs to robots without mass, robots with mass are expected");
       break;
     case Goal::Target::kJoint:
       if (goal.robot < 0 || goal.robot >= scene.nrobots() || goal.joint < 0 ||
           goal.joint >= scene.robots[goal.robot].model->njoints())
-        refuse(goal, "is not of a joint of this scene");
+        refuse(goal, "belongs to no joint of this scene: make the goal with joint_goal and this scene");
       if (scene.robots[goal.robot].model->joints[goal.joint].nq() != 1)
-        refuse(goal, "is of a joint with several coordinates, expected one with one, or a frame's pose");
-      if (!std::isfinite(goal.value)) refuse(goal, "has a number that is not finite");
+        refuse(
+            goal,
+            "belongs to a joint with several coordinates: a joint with one coordinate or a frame's pose is expected");
+      if (!std::isfinite(goal.value)) refuse(goal, "has a value that is not finite, a finite number is expected");
       break;
     case Goal::Target::kContact:
       if (goal.contact < 0 || goal.contact >= static_cast<int>(scene.contacts.size()))
-        refuse(goal, "is not of a contact of this scene");
+        refuse(goal, "belongs to no contact of this scene: make the goal with contact_goal and this scene");
       break;
   }
 }
@@ -104,7 +107,7 @@ PlacedScene place(const Scene& scene, const ConstVectorRef& q, const std::vector
                   const PlaceOptions& options) {
   expect_configuration("place", "q", q, scene);
   for (const Goal& goal : goals) check(scene, goal);
-  if (options.restarts < 0) throw std::invalid_argument("place: restarts is negative, expected a number of searches");
+  if (options.restarts < 0) throw std::invalid_argument("place: restarts is negative, 0 or more searches are expected");
   internal::PlaceSearch search(scene, goals, options);
   std::mt19937 generator(options.seed);
   PlacedScene out;

@@ -40,10 +40,10 @@ std::string owner(const ScenePose& pose) {
   const auto g = static_cast<std::size_t>(worst - left.begin());
   const std::string by =
       in_words(PlacementError{0, worst->position, worst->angle}) +
-      (found.out_of_steps ? " after " + text::count(found.iterations, "step") + " of a search that still came nearer"
+      (found.out_of_steps ? " after " + text::count(found.iterations, "step") + " of a search that still improved"
                           : "") +
-      ", expected poses that can be met together within the joints' limits, by a search from this q"
-      " (with the attribute restarts of <scene> it also starts from random joints)";
+      ", expected poses that can be met together within the joints' limits by a search from this q"
+      " (with the attribute restarts of <scene> the search also starts from random joint positions)";
   if (g >= poses.size())
     throw InputError(file, line, "with these poses contact " + quote(goals[g].name) + " remains out of place by " + by);
   throw InputError(poses[g].file, poses[g].line, owner(poses[g]) + " is missed by " + by);
@@ -109,11 +109,12 @@ void place(SceneFile& file) {
     scene.springs[spring].length = spring_length(scene, file.q, scene.springs[spring]);
   if (!moved.empty())
     file.findings.push_back(
-        {"pose", scene.name, "made to meet the poses" + moved, file.poses[0].file, file.poses[0].line});
+        {"pose", scene.name, "q was changed to meet the poses" + moved, file.poses[0].file, file.poses[0].line});
   for (const internal::Leaning& robot : leaning(scene, q, file.poses, standing))
     file.findings.push_back({"pose", scene.robots[robot.robot].name,
-                             "its centre of mass is " + text::number(robot.by) +
-                                 " m outside of its contacts: it cannot balance in this configuration unless they pull",
+                             "the centre of mass is " + text::number(robot.by) +
+                                 " m outside of the robot's contacts: the robot cannot balance in this configuration "
+                                 "unless contacts pull",
                              file.poses[0].file, file.poses[0].line});
 }
 

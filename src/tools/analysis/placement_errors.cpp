@@ -79,8 +79,8 @@ std::string name_of(const Scene& scene, const Unbalanced& x) {
 }
 
 std::string in_words(const Unbalanced& x) {
-  return "no torques keep it at rest in this configuration: " + text::number(x.force) + (x.angular ? " N m" : " N") +
-         " of its load remain";
+  return "no torques keep this coordinate at rest in this configuration: a load of " + text::number(x.force) +
+         (x.angular ? " N m" : " N") + " remains";
 }
 
 }  // namespace manycontact

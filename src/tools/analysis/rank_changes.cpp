@@ -110,7 +110,7 @@ class Probe {
 }  // namespace
 
 std::vector<RankChange> rank_changes(const Scene& scene, const ConstVectorRef& at, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("rank_changes: solve first");
+  if (data.serial == 0) throw std::logic_error("rank_changes: there is no solution, call solve first");
   expect_configuration("rank_changes", "q", at, scene);
   std::vector<RankChange> out;
   std::vector<std::size_t> dependent, changing;

@@ -202,8 +202,8 @@ std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank
   Eigen::Index k = 0;
   if (rank == 1 && Jt.leftCols(3).colwise().norm().maxCoeff(&k) > least) return along[k];
   if (rank == 2 && rank_of_columns({0, 2}) == rank) return "2d (x and z)";
-  if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, rotated so that its y is along this z,";
-  if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, rotated so that its y is along this x,";
+  if (rank == 2 && rank_of_columns({0, 1}) == rank) return "2d, rotated so that the new y is along the present z,";
+  if (rank == 2 && rank_of_columns({1, 2}) == rank) return "2d, rotated so that the new y is along the present x,";
   if (holds_turning(contact.type) && rank <= 3 && rank_of_columns({0, 1, 2}) == rank) return "3d";
   return "";
 }
@@ -251,7 +251,7 @@ double rank_all(const Examined& x, std::size_t number, const std::vector<int>& a
 }  // namespace
 
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t number) {
-  if (data.serial == 0) throw std::logic_error("find_ranks: solve first");
+  if (data.serial == 0) throw std::logic_error("find_ranks: there is no solution, call solve first");
   const Island& island = solved_island(data, number);
   const Examined x{scene, data, island, island_support_of(scene, data, number)};
   IslandRanks out;

@@ -97,7 +97,8 @@ Eigen::VectorXd redistribute_forces(const Scene& scene, const ConstVectorRef& q,
   const Eigen::VectorXd towards = given("reference", reference, data.f.size(), 0);
   const Eigen::VectorXd root = given("weights", weights, data.f.size(), 1).cwiseSqrt();
   if (!(root.array() > 0).all())
-    throw std::invalid_argument("redistribute_forces: weights contains a number that is not above 0");
+    throw std::invalid_argument(
+        "redistribute_forces: weights contains a number that is not above 0, numbers above 0 are expected");
   Eigen::VectorXd f = data.f;
   for (const IslandBasis& basis : bases_of(scene, q, data)) {
     const Eigen::VectorXd w = root(basis.rows);

@@ -14,7 +14,7 @@ constexpr Remedy kRemedies[] = {
     {Status::kOk, Reason::kNone, ""},
     {Status::kRedundant, Reason::kNone,
      "Accelerations need no action. unique_forces lists the forces that are unique, and redistribute_forces "
-     "computes others with the same accelerations."},
+     "computes other forces with the same accelerations."},
     {Status::kInconsistent, Reason::kNone,
      "Bring q and v into agreement with the contacts (make_consistent, or consistent=\"true\" in a scene file), "
      "or deactivate the contacts that contradictions lists."},
@@ -22,7 +22,7 @@ constexpr Remedy kRemedies[] = {
      "Rounding errors may be as large as the solution: compare error_acceleration and error_forces, and remove "
      "nearly dependent contacts (near_dependent) or set the scene's tolerance."},
     {Status::kRegularised, Reason::kDampingLost,
-     "The scene's damping is below the rounding errors of K: set it to 0, or increase it."},
+     "The scene's damping is below the rounding errors of K: set the damping to 0, or increase the damping."},
     {Status::kRegularised, Reason::kNone,
      "Compare with the method dense, remove nearly dependent contacts (near_dependent), or set the scene's "
      "tolerance or damping."},
@@ -31,9 +31,9 @@ constexpr Remedy kRemedies[] = {
     {Status::kFailed, Reason::kBadDamping, "Set the scene's damping to a finite number that is not negative."},
     {Status::kFailed, Reason::kBadQuaternion, "Normalise the quaternions of floating bases in q."},
     {Status::kFailed, Reason::kSingularInertia,
-     "Add mass, inertia or armature to the joints that massless_joints lists, or constrain them by contacts."},
+     "Add mass, inertia or armature to the joints that massless_joints lists, or constrain these joints by contacts."},
     {Status::kFailed, Reason::kSpringWithoutDirection,
-     "Move the ends of the spring apart, or set its length and damping to 0."},
+     "Move the ends of the spring apart, or set the spring's length and damping to 0."},
     {Status::kFailed, Reason::kBadMomentLength, "Set the scene's moment_length to a finite number above 0."},
     {Status::kFailed, Reason::kNone,
      "Use the method auto or dense, since dense-schur fails for redundant contacts; or set the scene's damping "

@@ -16,7 +16,7 @@ constexpr double kNoPart = 1e-9;  // smaller components, relative to the project
 }  // namespace
 
 std::vector<char> unique_forces(const Scene& scene, const ConstVectorRef& q, const SceneData& data) {
-  if (data.serial == 0) throw std::logic_error("unique_forces: solve first");
+  if (data.serial == 0) throw std::logic_error("unique_forces: there is no solution, call solve first");
   expect_configuration("unique_forces", "q", q, scene);
   std::vector<char> unique(static_cast<std::size_t>(data.f.size()), 1);
   std::vector<std::size_t> dependent;

@@ -53,7 +53,8 @@ class ContactReader {
 
   static void read_axis(const Element& e, Contact& contact) {
     if (e.read("axis", contact.axis) && !has_axis(contact.type))
-      e.where("axis").fail("a " + e.required("type") + " contact has an axis, expected one with type 1d or 5d only");
+      e.where("axis").fail("a " + e.required("type") +
+                           " contact has an axis, expected an axis with type 1d or 5d only");
   }
 
   void read_target(const Element& e, ContactElement& c) {
@@ -61,7 +62,7 @@ class ContactReader {
     for (const char* a : {"to_offset", "to_offset_quat_xyzw", "wrap"})
       if (!to_robot && e.has(a)) e.refuse(a, " needs a target, expected also a 'to' attribute");
     for (const char* a : {"xyz", "quat_xyzw"})
-      if (to_robot && e.has(a)) e.refuse(a, " places a contact in the world, expected it without 'to', or to_offset");
+      if (to_robot && e.has(a)) e.refuse(a, " places a contact in the world, expected no attribute 'to', or to_offset");
     c.position_given = e.read(to_robot ? "to_offset" : "xyz", c.B_offset.p);
     c.orientation_given = read_quaternion(e, to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
   }

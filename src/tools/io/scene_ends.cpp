@@ -28,8 +28,8 @@ End EndReader::read(const Element& e, const char* attribute) {
 End EndReader::read_first(const Element& e, const char* attribute) {
   const End end = read(e, attribute);
   if (end.shifted)
-    e.refuse(attribute, " is " + quote(e.required(attribute)) + ", expected it without +k or -k" +
-                            (e.name() == "contact" || e.name() == "spring" ? ", which belongs in 'to'" : ""));
+    e.refuse(attribute, " is " + quote(e.required(attribute)) + ", expected a name without +k or -k" +
+                            (e.name() == "contact" || e.name() == "spring" ? ", which is for 'to' only" : ""));
   return end;
 }
 
@@ -44,10 +44,10 @@ EndPair EndReader::read_pair(const Element& e) {
   const std::string to = e.label("to") + " is " + quote(e.required("to"));
   if (e.has("wrap") && !out.B.shifted) e.refuse("wrap", " needs a next copy, expected 'to' like robot+1/link");
   if (out.B.copied && !out.A.copied)
-    here.fail(to + ", all copies of a robot, expected one of them, for 'frame' is on one robot");
+    here.fail(to + ", which is on all copies of a robot, expected one copy, since 'frame' is on one robot");
   if (out.B.copied && out.B.count != out.A.count)
-    here.fail(to + ", of " + std::to_string(out.B.count) + " copies, expected " + std::to_string(out.A.count) +
-              " as in 'frame'");
+    here.fail(to + ", which is on " + std::to_string(out.B.count) + " copies, expected " + std::to_string(out.A.count) +
+              " copies as in 'frame'");
   return out;
 }
 
@@ -91,7 +91,7 @@ bool EndReader::find_shifted(const Where& here, const std::string& text, End& en
   if (stop != last || error != std::errc() || text[sign + 1] == '-') return false;
   const std::string name = text.substr(0, sign);
   if (!find_robot(name, end)) return false;
-  if (!end.copied) here.fail("robot " + quote(name) + " is not copied, expected no +k or -k after it");
+  if (!end.copied) here.fail("robot " + quote(name) + " is not copied, expected no +k or -k after the name");
   if (k > 1000000) here.fail(quote(text) + " is beyond all copies, expected +k or -k with k up to 1000000");
   end.shifted = true;
   end.shift = text[sign] == '-' ? -k : k;

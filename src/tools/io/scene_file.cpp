@@ -73,22 +73,25 @@ class IncludeReader {
     if (std::ranges::count(open_, canonical(path)))
       here.fail("the scene file " + quote(path) + " includes itself, expected no cycle");
     if (open_.size() > kDeepestInclude)
-      here.fail("scene files are included more than " + std::to_string(kDeepestInclude) + " deep, expected fewer");
+      here.fail("scene files are included more than " + std::to_string(kDeepestInclude) +
+                " levels deep, expected fewer levels");
     if (out_.files.size() >= kMostFiles)
-      here.fail("more than " + std::to_string(kMostFiles) + " scene files are included, expected fewer");
+      here.fail("more than " + std::to_string(kMostFiles) + " scene files are included, expected fewer files");
     std::string problem = file_problem(path, true);
     const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
     // scene-wide settings of an included file must equal the settings of the including file
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
-      root.where("gravity").fail("gravity differs from that of the including scene, expected the same");
+      root.where("gravity").fail("gravity differs from the gravity of the including scene, expected equal values");
     for (const char* name : {"damping", "tolerance", "moment_length"})
       if (const double usual = name == std::string("moment_length") ? 1 : 0;
           root.has(name) && root.number(name, usual) != into.number(name, usual))
-        root.where(name).fail(std::string(name) + " differs from that of the including scene, expected the same");
+        root.where(name).fail(std::string(name) +
+                              " differs from the value in the including scene, expected equal values");
     if (consistent(root) && !consistent(into))
-      root.where("consistent").fail("consistent=\"true\" is missing in the including scene, expected it in both");
+      root.where("consistent")
+          .fail("consistent=\"true\" is missing in the including scene, expected consistent=\"true\" in both scenes");
   }
 
   SceneElements& out_;

@@ -52,7 +52,7 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
     e.allow({"name", "frame", "offset", "to", "to_offset", "wrap", "xyz", "stiffness", "length", "damping"});
     const EndPair pair = ends.read_pair(e);
     if (pair.to_robot == e.has("xyz"))
-      e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected one of them"
+      e.fail(pair.to_robot ? "<spring> has both 'to' and xyz, expected either 'to' or xyz"
                            : "<spring> has neither 'to' nor xyz, expected a frame or a point of the world");
     for (const char* a : {"to_offset", "wrap"})
       if (!pair.to_robot && e.has(a)) e.refuse(a, " needs a target, expected also a 'to' attribute");

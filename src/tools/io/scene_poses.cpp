@@ -10,7 +10,7 @@ void read_three(const Element& e, const char* together, const std::array<const c
   for (std::size_t k = 0; k < 3; ++k) {
     if (all) *out[k] = (*all)[k];
     if (!e.has(apart[k])) continue;
-    if (all) e.refuse(apart[k], std::string(" is given with ") + together + ", expected one of them");
+    if (all) e.refuse(apart[k], std::string(" is given with ") + together + ", expected only one of the two");
     *out[k] = e.required_number(apart[k]);
   }
 }
@@ -26,7 +26,7 @@ End read_frame(const Element& e, EndReader& ends) {
   const End end = ends.read_first(e, "frame");
   if (end.frame.joint < 0)
     e.where("frame").fail("frame of <pose> is " + quote(e.required("frame")) +
-                          ", which cannot move, expected one that does");
+                          ", which cannot move, expected a frame that moves");
   return end;
 }
 
@@ -43,7 +43,7 @@ void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vecto
   read_three(e, "rpy", {"roll", "pitch", "yaw"}, {&pose.roll, &pose.pitch, &pose.yaw});
   if (!(pose.x || pose.y || pose.z || pose.roll || pose.pitch || pose.yaw))
     e.fail("<pose> of " + quote(e.required(pose.center_of_mass ? "com" : "frame")) +
-           " requires nothing, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
+           " gives no coordinate, expected xyz, rpy or any of x, y, z, roll, pitch, yaw");
   SE3<double> offset;
   (void)e.read("offset", offset.p);
   for (int i = 0; i < end.count; ++i) {

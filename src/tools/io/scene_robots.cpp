@@ -20,7 +20,7 @@ std::map<std::string, Element> by_joint(const Element& robot, const char* child,
     e.allow_children({});
     const std::string name = e.required(key);
     if (!out.emplace(name, e).second)
-      e.where(key).fail("joint " + quote(name) + " has a second <" + child + ">, expected one");
+      e.where(key).fail("joint " + quote(name) + " has a second <" + child + ">, expected only one");
   }
   return out;
 }
@@ -29,7 +29,7 @@ void read_name(const Element& e, RobotGroup& group) {
   group.line = e.line();
   group.name = e.not_empty("name");
   if (group.name.find_first_of("/+") != std::string::npos)
-    e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected one without '/' and '+'");
+    e.where("name").fail("name of <robot> is " + quote(group.name) + ", expected a name without '/' and '+'");
   group.copied = e.has("copies");
   if (group.copied) group.count = e.count("copies", 1, kMostCopies);
   for (const char* a : {"arrange", "spacing"})
@@ -77,16 +77,17 @@ RobotElement read_robot(const Element& e) {
     const std::vector<Element> given = e.children(vector);
     if (!given.empty()) given[0].allow_attributes({});
     if (given.size() > 1)
-      given[1].fail("robot " + quote(robot.group.name) + " has a second <" + vector + ">, expected one");
+      given[1].fail("robot " + quote(robot.group.name) + " has a second <" + vector + ">, expected only one");
   }
   if (e.has("u")) {
     (void)e.choice("u", {"gravity"}, -1);
     robot.gravity_torques = true;
     const Where here = e.where("u");
-    if (e.child("u")) here.fail("u=\"gravity\" and <u> both give the torques, expected one of them");
+    if (e.child("u")) here.fail("u=\"gravity\" and <u> both give the torques, expected only one of the two");
     for (const auto& [name, joint] : robot.joints)
       if (joint.has("u"))
-        here.fail("u=\"gravity\" and u of joint " + quote(name) + " both give the torques, expected one of them");
+        here.fail("u=\"gravity\" and u of joint " + quote(name) +
+                  " both give the torques, expected only one of the two");
   }
   return robot;
 }
@@ -183,7 +184,7 @@ void add_copies(const RobotElement& robot, const std::shared_ptr<const Model>& m
   const RobotGroup& group = robot.group;
   const double room = std::numeric_limits<int>::max() - static_cast<double>(out.scene.nq);
   if (static_cast<double>(group.count) * model->nq > room)
-    e.fail("robot " + quote(group.name) + " brings the scene above 2^31 - 1 coordinates, expected fewer");
+    e.fail("robot " + quote(group.name) + " brings the scene above 2^31 - 1 coordinates, expected fewer coordinates");
   const Arrangement arrangement = read_arrangement(e, group.count);
   const RobotState state = read_state(robot, *model);
   const SE3<double> base = read_base(e);
@@ -231,8 +232,8 @@ void check_names(const SceneFile& file, const std::unordered_map<std::string, Wh
       here.fail("the copied robot " + quote(group.name) + " has the name of another robot, expected names used once");
     if (is_neighbour(group.name, copied) || (group.copied && is_neighbour(group.name + "0", copied)))
       here.fail("robot " + quote(group.name) +
-                " has a name that is reserved for neighbours among copies, expected no name that is " +
-                "a copied robot's with '-' and a number");
+                " has a name that is reserved for neighbours among copies, expected a name that is not "
+                "the name of a copied robot with '-' and a number");
   }
 }
 

@@ -63,7 +63,7 @@ class StateReader {
     const Element& e = robot_.element;
     if (!model_.floating_base || (!e.has("xyz") && !e.has("rpy"))) return state;
     const char* placed = e.has("xyz") ? "xyz" : "rpy";
-    if (base_given) e.refuse(placed, " and q both place the floating base, expected one of them");
+    if (base_given) e.refuse(placed, " and q both place the floating base, expected only one of the two");
     state.q.head<7>() = pose_of_placement(read_base(e));
     return state;
   }
@@ -90,7 +90,7 @@ class StateReader {
       const Where here = element.where(what.letter);
       if (whole)
         here.fail("joint " + quote(name) + " has " + what.letter + "=, and <" + what.letter +
-                  "> gives it too, expected one of them");
+                  "> also gives this value, expected only one of the two");
       const Joint& j = joint(name, element);
       const bool base = floating && j.idx_v == 0;
       if (base && what.letter == kU.letter)

@@ -59,17 +59,19 @@ void read_activation(const Element& e, TaskTerm& term) {
         parse_numbers(e.where("weights"), e.label("weights"), e.required("weights"), static_cast<std::size_t>(term.nr));
     term.weights = Eigen::Map<const Eigen::VectorXd>(list.data(), term.nr);
     if (term.weights.minCoeff() < 0)
-      e.refuse("weights", " has " + show(term.weights.minCoeff()) + " among its numbers, expected 0 or more");
+      e.refuse("weights", " has the number " + show(term.weights.minCoeff()) + ", expected numbers of 0 or more");
   } else if (weighted) {
-    e.refuse("weights", " does not go with activation " + with + ", expected it with weighted ones only");
+    e.refuse("weights",
+             " cannot be combined with activation " + with + ", expected weights only with a weighted activation");
   }
   if (a == TaskActivation::kQuadraticBarrier || a == TaskActivation::kWeightedQuadraticBarrier)
     read_bounds(e, term);
   else
     for (const char* bound : {"lower", "upper"})
-      if (e.has(bound)) e.refuse(bound, " does not go with activation " + with + ", expected it with barriers only");
+      if (e.has(bound))
+        e.refuse(bound, " cannot be combined with activation " + with + ", expected bounds only with a barrier");
   if (e.has("eps") && a != TaskActivation::kSmooth1Norm)
-    e.refuse("eps", " does not go with activation " + with + ", expected it with smooth_1norm");
+    e.refuse("eps", " cannot be combined with activation " + with + ", expected eps only with smooth_1norm");
   term.eps = e.positive("eps", 1);
 }
 

@@ -80,10 +80,10 @@ void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
 void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
   phase.impact = e.flag("impact", false);
   if (!phase.impact) return;
-  if (!before) e.refuse("impact", " is true in the first phase, expected it in a later one");
+  if (!before) e.refuse("impact", " is true in the first phase, expected an impact in later phases only");
   for (std::size_t c = 0; c < phase.active.size(); ++c)
     if (phase.active[c] && !before->active[c]) return;
-  e.refuse("impact", " is true, and all its contacts were closed before, expected one that closes");
+  e.refuse("impact", " is true, and all contacts of the phase were closed before, expected a contact that closes");
 }
 
 TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* before, TermReader& reader) {
@@ -95,7 +95,7 @@ TaskPhase read_phase(const Element& e, const Scene& scene, const TaskPhase* befo
   const std::string contacts = scene.contacts.empty() ? e.optional("contacts", "") : e.required("contacts");
   for (const std::string_view name : words(contacts))
     for (const int c : reader.contacts(e.where("contacts"), e.label("contacts"), std::string(name))) {
-      if (phase.active[c]) e.refuse("contacts", " names " + quote(name) + " twice, expected once");
+      if (phase.active[c]) e.refuse("contacts", " names " + quote(name) + " twice, expected each contact once");
       phase.active[c] = true;
     }
   phase.at_scene = e.choice("at", {"closing", "scene"}, 0) == 1;
@@ -123,7 +123,7 @@ std::optional<Element> only_child(const Element& e, const char* name) {
   const std::vector<Element> all = e.children(name);
   if (all.size() > 1)
     all[1].fail("<" + e.name() + "> has a second <" + name + ">, the first is on line " +
-                std::to_string(all[0].line()) + ", expected one");
+                std::to_string(all[0].line()) + ", expected only one");
   return e.child(name);
 }
 
@@ -141,7 +141,8 @@ void read_head(const Element& root, TaskFile& out) {
   if (!problem.empty())
     root.where("scene").fail("scene of <task>: " + quote(scene_path) + " " + problem + ", expected a scene file");
   out.scene = read_scene(scene_path);
-  if (out.scene.scene.nv == 0) root.where("scene").fail("the scene of <task> has nothing that moves");
+  if (out.scene.scene.nv == 0)
+    root.where("scene").fail("the scene of <task> has nothing that moves, expected a robot that moves");
 }
 
 }  // namespace
@@ -159,9 +160,10 @@ TaskFile read_task(const std::string& path) {
   for (const io::Element& e : root.children("phase")) {
     const TaskPhase* before = out.phases.empty() ? nullptr : &out.phases.back();
     out.phases.push_back(io::read_phase(e, out.scene.scene, before, reader));
-    if (out.nodes() > io::kMostNodes) e.fail("<task> has more than 1000000 nodes by this phase, expected fewer");
+    if (out.nodes() > io::kMostNodes)
+      e.fail("<task> has more than 1000000 nodes up to this phase, expected fewer nodes");
   }
-  if (out.phases.empty()) root.fail("<task> has no <phase>, expected one or more");
+  if (out.phases.empty()) root.fail("<task> has no <phase>, expected at least one <phase>");
 
   out.terminal.active = out.phases.back().active;
   if (const auto e = io::only_child(root, "terminal")) {

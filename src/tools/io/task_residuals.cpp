@@ -74,9 +74,9 @@ void check_attributes(const Element& e, TaskResidual residual) {
   for (const Kind& kind : kinds())
     for (const char* name : kind.attributes) {
       if (!e.has(name) || takes(residual, name)) continue;
-      std::string expected = own.attributes.empty() ? "none" : "";
+      std::string expected = own.attributes.empty() ? "no such attribute" : "";
       for (const char* a : own.attributes) expected += (expected.empty() ? "" : ", ") + std::string(a);
-      e.refuse(name, std::string(" does not go with type ") + own.name + ", expected of such: " + expected);
+      e.refuse(name, std::string(" cannot be combined with type ") + own.name + ", expected " + expected);
     }
 }
 

@@ -21,8 +21,8 @@ TaskTerm TermReader::read(const Element& e, const std::vector<bool>& active, boo
   check_attributes(e, term.residual);
   if (terminal && !of_state_alone(term.residual))
     e.where("type").fail(std::string(to_string(term.residual)) +
-                         " in <terminal>, where there are neither controls nor accelerations nor forces, expected a " +
-                         e.name() + " of the state");
+                         " is in <terminal>, which has no controls, accelerations or forces, expected a " + e.name() +
+                         " of the state");
   if (takes(term.residual, "contact"))
     read_contact(e, active, term);
   else
@@ -43,7 +43,7 @@ void TermReader::read_subject(const Element& e, TaskTerm& term) {
   if (!of_frame && !e.has("robot")) return;
   const std::string name = e.required(attribute);
   const End end = of_frame ? ends_.read(e, attribute) : ends_.robot(e, attribute, name);
-  if (end.shifted) e.refuse(attribute, " is " + quote(name) + ", expected it without +k or -k");
+  if (end.shifted) e.refuse(attribute, " is " + quote(name) + ", expected a name without +k or -k");
   if (of_frame) term.frame = end.frame.name;
   term.copied = end.copied;
   term.robots.resize(static_cast<std::size_t>(end.count));
@@ -62,7 +62,7 @@ std::vector<int> TermReader::contacts(const Where& where, const std::string& wha
   }
   const auto one = scene_.scene.contact_index.find(name);
   if (one != scene_.scene.contact_index.end()) return {one->second};
-  if (known.empty()) where.fail(what + ": there is no contact " + quote(name) + ", the scene has none");
+  if (known.empty()) where.fail(what + ": there is no contact " + quote(name) + ", since the scene has no contacts");
   where.fail(what + ": there is no contact " + quote(name) + ", " + suggestion(name, known));
 }
 
@@ -74,8 +74,9 @@ void TermReader::read_contact(const Element& e, const std::vector<bool>& active,
     term.copied = term.copied || (group.copied && group.name == name);
   for (const int c : term.contacts)
     if (!active[c])
-      here.fail(e.label("contact") + ": " + quote(name) + " is not active in this phase, expected one of its contacts");
-  if (term.contacts.empty()) here.fail(e.label("contact") + ": " + quote(name) + " has no copies, expected some");
+      here.fail(e.label("contact") + ": " + quote(name) + " is not active in this phase, expected an active contact");
+  if (term.contacts.empty())
+    here.fail(e.label("contact") + ": " + quote(name) + " has no copies, expected at least one copy");
   const ContactType type = scene_.scene.contacts[term.contacts[0]].type;
   if (takes(term.residual, "box") && type != ContactType::k6D)
     here.fail(std::string(to_string(term.residual)) + " of contact " + quote(name) + ", of type " + to_string(type) +
@@ -125,12 +126,12 @@ void TermReader::normalise_bases(const Element& e, TaskTerm& term) const {
 void TermReader::read_reference(const Element& e, const char* attribute, TaskTerm& term) {
   const auto pose = e.child("pose");
   if (term.residual == TaskResidual::kState && e.optional(attribute, "") == "pose") {
-    if (!pose) e.refuse(attribute, " is pose, expected <pose> elements in it");
+    if (!pose) e.refuse(attribute, " is pose, expected <pose> elements in <" + e.name() + ">");
     for (const Element& next : e.children("pose")) read_pose(next, scene_.scene, ends_, term.poses);
     return;
   }
   if (pose)
-    pose->fail("<pose> in a <" + e.name() +
+    pose->fail("<pose> is in a <" + e.name() +
                "> of another type or without reference=\"pose\", expected type state with reference=\"pose\"");
   if (!e.has(attribute)) return;
   const auto list = parse_numbers(e.where(attribute), e.label(attribute), e.required(attribute),

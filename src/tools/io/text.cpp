@@ -23,7 +23,7 @@ double parse_any_word(const Where& where, const std::string& what, std::string_v
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), x);
   const bool whole = end == digits.data() + digits.size() && !digits.empty();
   if (!whole || error == std::errc::invalid_argument)
-    where.fail(what + ": " + quote(word) + " is not a number, expected one like 0.5 or 1e-3");
+    where.fail(what + ": " + quote(word) + " is not a number, expected a number like 0.5 or 1e-3");
   if (std::isnan(x)) where.fail(what + ": " + quote(word) + " is not finite, expected a finite number");
   if (error != std::errc::result_out_of_range) return x;
   const bool tiny = digits.find_first_of("eE") == std::string_view::npos
@@ -44,7 +44,7 @@ double parse_word(const Where& where, const std::string& what, std::string_view 
 std::string_view only_word(const Where& where, const std::string& what, std::string_view text) {
   const auto parts = words(text);
   if (parts.empty()) where.fail(what + " is empty, expected a number");
-  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number, expected one");
+  if (parts.size() > 1) where.fail(what + ": " + quote(text) + " is not one number, expected a single number");
   return parts[0];
 }
 

@@ -134,7 +134,7 @@ class Builder {
     try {
       finalize(model_);
     } catch (const std::invalid_argument& e) {
-      throw InputError(path_, details_.robot, std::string(e.what()) + ", expected a shallower one");
+      throw InputError(path_, details_.robot, std::string(e.what()) + ", expected a shallower tree");
     }
     set_armature();
     if (options_.model_dynamics) set_dynamics();
@@ -157,7 +157,7 @@ class Builder {
     if (found != robot_.links_.end()) return *found->second;
     std::vector<std::string> names;
     for (const auto& [name, link] : robot_.links_) names.push_back(name);
-    refuse("", "the robot has no link " + quote(options_.root) + " for its root, " + suggestion(options_.root, names));
+    refuse("", "the robot has no link " + quote(options_.root) + " for the root, " + suggestion(options_.root, names));
   }
 
   Place root(const std::string& link) {
@@ -197,7 +197,7 @@ class Builder {
     if (step.backwards && out.nv() > 1)
       refuse("", "joint " + quote(joint.name) + " has several coordinates and is between the file's root " +
                      quote(robot_.getRoot()->name) + " and " + quote(options_.root) +
-                     ", expected a root on this side of it");
+                     ", expected a root that is not beyond this joint");
     SE3<double> link = behind;
     // The z axis of the joint frame becomes the plane's normal; the link's frame does not change.
     if (out.type == JointType::kPlanar) {
@@ -232,7 +232,7 @@ class Builder {
     if (link.inertial) frame.inertia = joint_space_inertia(*link.inertial);
     if (place.joint >= 0 && frame.inertia.m < 0)
       tell("inertia", link.name, details_.link.at(link.name),
-           "the mass " + io::show(frame.inertia.m) + " kg, compensated by the bodies that the link is merged with");
+           "the mass " + io::show(frame.inertia.m) + " kg is compensated by the bodies merged with the link");
     if (place.joint >= 0) model_.joints[place.joint].inertia += frame.inertia.transformed(place.placement);
     model_.frames.push_back(std::move(frame));
   }
@@ -248,13 +248,14 @@ class Builder {
     if (joint.mimic) {
       if (options_.refuse_mimic)
         refuse("joint " + quote(joint.name) + " mimics " + quote(joint.mimic->joint_name) +
-               ", expected none, for mimic=\"refuse\"");
+               ", expected no <mimic>, because mimic=\"refuse\" is set");
       model_.notes.mimic.push_back(joint.name);
       tell("mimic", joint.name, details.line, "<mimic> is not modelled: the joint moves independently");
     }
     if (joint.type == urdf::Joint::FLOATING && options_.floating_base && parent.joint == 0)
       tell("base", joint.name, details.line,
-           "a floating joint below the floating base: two bases, expected base=\"fixed\" for this file");
+           "the joint is floating and below the floating base: the robot has two bases, expected base=\"fixed\" for "
+           "this file");
     if (details.damping == 0 && details.friction == 0) return;
     if (!options_.model_dynamics) {
       model_.notes.dynamics.push_back(joint.name);
@@ -263,7 +264,7 @@ class Builder {
     for (const double x : {details.damping, details.friction}) {
       if (!std::isfinite(x))
         refuse("joint " + quote(joint.name) + " has the damping or friction " + io::show(x) +
-               ", expected a finite number, for dynamics=\"model\"");
+               ", expected a finite number, because dynamics=\"model\" is set");
       if (x < 0)
         tell("dynamics", joint.name, details.line,
              "the damping or friction " + io::show(x) + ", which drives the joint, is used as given");
@@ -274,13 +275,14 @@ class Builder {
     const std::string& link = body_link_[i];
     const int line = details_.link.at(link);
     const io::InertiaVerdict verdict = io::judge_inertia(model_.joints[i].inertia);
-    const std::string owner = "link " + quote(link) + " and what is merged into it have ";
+    const std::string owner = "link " + quote(link) + ", with the links merged into this link, has ";
     if (!verdict.refused.empty()) throw InputError(path_, line, owner + verdict.refused);
     if (verdict.odd.empty()) return;
     if (options_.refuse_inertia)
-      throw InputError(path_, line, owner + verdict.odd + ", expected those of one, for inertia=\"refuse\"");
+      throw InputError(path_, line,
+                       owner + verdict.odd + ", expected physical moments, because inertia=\"refuse\" is set");
     tell("inertia", link, line,
-         "the body, with what is merged into it, has " + verdict.odd + "; they are used as given");
+         "the body, with the bodies merged into this body, has " + verdict.odd + "; the moments are used as given");
   }
 
   std::vector<std::string> joint_names() const {
@@ -294,14 +296,16 @@ class Builder {
       const auto refuse_lock = [&name = name](const std::string& what) { throw UrdfOptionError(name, true, what); };
       const auto found = robot_.joints_.find(name);
       if (found == robot_.joints_.end())
-        refuse_lock("the robot has no joint " + quote(name) + " to lock, " + suggestion(name, joint_names()));
+        refuse_lock("the robot has no joint " + quote(name) + " that could be locked, " +
+                    suggestion(name, joint_names()));
       const auto type = found->second->type;
       if (type == urdf::Joint::FIXED)
-        refuse_lock("joint " + quote(name) + " is fixed, expected one that moves, to lock");
+        refuse_lock("joint " + quote(name) + " is fixed and cannot be locked, expected a joint that moves");
       if (type == urdf::Joint::FLOATING || type == urdf::Joint::PLANAR)
-        refuse_lock("joint " + quote(name) + " has several coordinates, expected one with one, to lock");
+        refuse_lock("joint " + quote(name) +
+                    " has several coordinates and cannot be locked, expected a joint with one coordinate");
       if (!std::isfinite(position))
-        refuse_lock("joint " + quote(name) + " is locked at no finite position, expected one");
+        refuse_lock("joint " + quote(name) + " is locked at a position that is not finite, expected a finite position");
     }
   }
 
@@ -319,7 +323,7 @@ class Builder {
   int joint_with_torques(const std::string& name) const {
     const int i = moving_joint(name);
     if (model_.floating_base && i == 0)
-      refuse(name, "joint " + quote(name) + " is the floating base, which has no torques, expected another");
+      refuse(name, "joint " + quote(name) + " is the floating base, which has no torques, expected another joint");
     return i;
   }
 
@@ -331,7 +335,7 @@ class Builder {
       joint.actuated = false;
       if (options_.passive.count(joint.name) || options_.actuated.count(joint.name)) continue;
       tell("passive", joint.name, details_.joint.at(joint.name).line,
-           "a floating joint of the file, taken as passive: without torques in u; actuated=\"true\" gives it some");
+           "the floating joint is taken as passive, without torques in u; actuated=\"true\" gives the joint torques");
     }
     for (const std::string& name : options_.actuated) model_.joints[joint_with_torques(name)].actuated = true;
     for (const std::string& name : options_.passive) model_.joints[joint_with_torques(name)].actuated = false;
@@ -373,7 +377,7 @@ class Builder {
     for (const auto& [name, damping] : options_.joint_damping) {
       const Joint& joint = model_.joints[moving_joint(name)];
       if (joint.nv() != 1)
-        refuse(name, "joint " + quote(name) + " has a damping and several coordinates, expected one");
+        refuse(name, "joint " + quote(name) + " has a damping and several coordinates, expected one coordinate");
       if (!(damping >= 0 && std::isfinite(damping)))
         refuse(name, "the damping of joint " + quote(name) + " is " + io::show(damping) + ", expected 0 or more");
       model_.damping[joint.idx_v] = damping;
@@ -381,8 +385,8 @@ class Builder {
   }
 
   std::string why_absent(const std::string& name) const {
-    if (options_.locked.count(name)) return "joint " + quote(name) + " is locked, expected one that moves";
-    if (robot_.joints_.count(name)) return "joint " + quote(name) + " is fixed, expected one that moves";
+    if (options_.locked.count(name)) return "joint " + quote(name) + " is locked, expected a joint that moves";
+    if (robot_.joints_.count(name)) return "joint " + quote(name) + " is fixed, expected a joint that moves";
     return "the robot has no joint " + quote(name) + ", " + suggestion(name, joint_names());
   }
 

@@ -17,7 +17,7 @@ void check_origin(const Element& parent) {
 
 Element required_child(const Element& parent, const char* name, const std::string& owner) {
   const auto e = parent.child(name);
-  if (!e) parent.fail(owner + " has no <" + name + ">, expected one");
+  if (!e) parent.fail(owner + " has no <" + name + ">, expected exactly one");
   return *e;
 }
 
@@ -61,7 +61,8 @@ void check_link(const Element& link, UrdfDetails& details) {
   for (const char* a : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"})
     if (inertia) check(inertia, a, a);
   if (!missing.empty())
-    tell(*inertial, "inertia", name, "<inertial> lacks " + missing + ", taken as 0", details.findings);
+    tell(*inertial, "inertia", name, "<inertial> lacks " + missing + "; missing values are taken as 0",
+         details.findings);
 }
 
 void check_axis(const Element& joint, UrdfDetails& details) {
@@ -69,7 +70,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
   if (!axis) return;
   const std::string name = joint.required("name");
   if (!axis->has("xyz"))
-    return tell(*axis, "unread", name, "<axis> has no xyz, taken as 1 0 0, URDF's default", details.findings);
+    return tell(*axis, "unread", name, "<axis> has no xyz; URDF's default 1 0 0 is used", details.findings);
   const auto xyz = *axis->numbers<3>("xyz");
   if (std::hypot(xyz[0], xyz[1], xyz[2]) < kZeroDirection)
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
@@ -80,8 +81,8 @@ void check_axis(const Element& joint, UrdfDetails& details) {
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;
-  add_to(told, attribute + (limit.has(attribute) ? " " + std::string(words(limit.required(attribute))[0])
-                                                 : std::string(" missing")));
+  add_to(told, limit.has(attribute) ? attribute + (" " + std::string(words(limit.required(attribute))[0]))
+                                    : std::string("no ") + attribute);
   return none;
 }
 
@@ -92,7 +93,7 @@ void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vect
   const std::string name = joint.required("name");
   const auto limit = joint.child("limit");
   if (!limit) {
-    if (has_range) tell(joint, "limits", name, "no <limit>, taken as no limits", findings);
+    if (has_range) tell(joint, "limits", name, "the joint has no <limit> and is taken as unlimited", findings);
     return;
   }
   std::string none, zero;
@@ -114,9 +115,9 @@ void check_limit(const Element& joint, bool has_range, UrdfJoint& out, std::vect
       out.lower = -kInfinity, out.upper = kInfinity, zero.clear();
     }
   }
-  const std::string text = (none.empty() ? "" : "taken as no limit: " + none) +
+  const std::string text = (none.empty() ? "" : "<limit> has " + none + ", where the joint is taken as unlimited") +
                            (none.empty() || zero.empty() ? "" : "; ") +
-                           (zero.empty() ? "" : "taken as 0, as URDF has it: " + zero + " missing");
+                           (zero.empty() ? "" : "<limit> lacks " + zero + ", which is 0 by URDF's default");
   if (!text.empty()) tell(*limit, "limits", name, text, findings);
 }
 
@@ -128,8 +129,8 @@ void check_dynamics(const Element& joint, bool is_modelled, UrdfJoint& out, std:
   if (is_modelled)
     out.damping = damping, out.friction = friction;
   else if (damping != 0 || friction != 0)
-    tell(*dynamics, "dynamics", joint.required("name"), "damping and friction are read of joints with one coordinate",
-         findings);
+    tell(*dynamics, "dynamics", joint.required("name"),
+         "damping and friction are read only for joints with one coordinate", findings);
 }
 
 std::string check_end(const Element& joint, const char* end, const UrdfDetails& details) {
@@ -186,7 +187,8 @@ void check_tree(const Element& robot, const UrdfDetails& details, const std::vec
       if (up == above.end()) {
         if (!root.empty())
           at_line(details.link.at(at))
-              .fail("link " + quote(at) + " has no parent, nor has link " + quote(root) + ", expected one root");
+              .fail("link " + quote(at) + " has no parent, and link " + quote(root) +
+                    " has no parent either, expected one root");
         root = at;
         break;
       }

@@ -72,7 +72,7 @@ bool constrains(const std::string& name) {
 void tell_constraint(const Element& e, Unread& unread) {
   unread.tell(e, name_of(e),
               "<" + e.name() + "> influences the motion and is ignored: " +
-                  "the connected links are free here, unless a contact of the scene constrains them");
+                  "the connected links move freely, unless a contact of the scene constrains these links");
 }
 
 void look_into_gazebo(const Element& gazebo, Unread& unread) {
@@ -82,7 +82,7 @@ void look_into_gazebo(const Element& gazebo, Unread& unread) {
       // <joint> of SDF, which closes a loop
       tell_constraint(e, unread);
     else if (name == "springStiffness" || name == "spring_stiffness" || name == "springReference")
-      unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint has no spring here");
+      unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint is modelled without a spring");
   });
 }
 
@@ -180,7 +180,8 @@ void tell_leftovers(const Element& of, const Names& prefixes, Unread& unread) {
       continue;
     }
     each_inside(e, [&](const Element& inside) {
-      if (is_xacro(inside, prefixes)) unread.count(inside, name_of(e), "<" + inside.name() + ">", ": xacro left it");
+      if (is_xacro(inside, prefixes))
+        unread.count(inside, name_of(e), "<" + inside.name() + ">", ": xacro did not replace this element");
     });
   }
 }
@@ -188,8 +189,8 @@ void tell_leftovers(const Element& of, const Names& prefixes, Unread& unread) {
 void refuse_xacro_inside(const Element& of, const Names& prefixes) {
   for (const Element& e : of.children()) {
     if (is_xacro(e, prefixes))
-      e.fail("<" + e.name() + "> is xacro, from which a URDF is yet to be made, expected one: " +
-             "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
+      e.fail("<" + e.name() +
+             "> is an element of xacro, expected a URDF without xacro: " + "run `xacro ROBOT.urdf.xacro > ROBOT.urdf`");
     if (!is_only_seen(e)) refuse_xacro_inside(e, prefixes);
   }
 }

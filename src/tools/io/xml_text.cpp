@@ -146,7 +146,8 @@ class Characters {
                       : "UTF-8, or another encoding declared as in <?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>"));
     if (c.character == 0) fail("contains a zero byte, expected UTF-8 text");
     if (!is_xml_character(c.character))
-      fail("contains the character " + hexadecimal(c.character) + ", which XML does not allow, expected none");
+      fail("contains the character " + hexadecimal(c.character) +
+           ", which XML does not allow, expected only characters of XML");
     advance(c.length);
   }
 
@@ -160,7 +161,7 @@ class Characters {
     const auto [last, error] = std::from_chars(digits.data(), digits.data() + digits.size(), c, hex ? 16 : 10);
     if (error != std::errc() || last != digits.data() + digits.size() || !is_xml_character(c))
       fail("refers to " + quote(text_.substr(at_, end + 1 - at_)) +
-           ", which is no character of XML, expected one like &#228;");
+           ", which is no character of XML, expected a character like &#228;");
   }
 
   static std::string hexadecimal(std::uint32_t c) {
@@ -203,9 +204,9 @@ std::string as_utf8(const std::string& path, std::string_view bytes) {
   if (name == "iso885915" || name == "latin9") return decode_bytes(bytes, latin9);
   if (name == "windows1252" || name == "cp1252") return decode_bytes(bytes, windows1252);
   throw InputError(path, 1,
-                   name.starts_with("utf16")
-                       ? "declares the encoding " + quote(declared) + " without a byte order mark, expected one"
-                       : "declares the encoding " + quote(declared) + ", expected " + kKnown);
+                   name.starts_with("utf16") ? "declares the encoding " + quote(declared) +
+                                                   " without a byte order mark, expected a byte order mark"
+                                             : "declares the encoding " + quote(declared) + ", expected " + kKnown);
 }
 
 }  // namespace

@@ -53,7 +53,8 @@ std::optional<Integrator> integrator_from_string(const std::string& name) {
 }
 
 Gains recommended_gains(Integrator integrator, double h) {
-  if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("recommended_gains: the step is not positive");
+  if (!(h > 0) || !std::isfinite(h))
+    throw std::invalid_argument("recommended_gains: the step h is not a finite number above 0");
   if (integrator == Integrator::kSemiImplicitEuler) return {1 / (4 * h * h), 3 / (4 * h)};
   const double omega = 0.1 / h;
   return {omega * omega, 2 * omega};

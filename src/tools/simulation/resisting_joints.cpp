@@ -146,15 +146,16 @@ void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd&
 void check_pd(const Scene& scene, const PdLaws& pd) {
   const Eigen::Index n = pd.kp.size();
   if (pd.kd.size() != n || pd.q_ref.size() != n || pd.v_ref.size() != n || (n != 0 && n != scene.nv))
-    throw std::invalid_argument("step: data.pd does not fit the scene, expected four vectors of nv numbers or of none");
+    throw std::invalid_argument(
+        "step: data.pd has vectors of a wrong size, expected four vectors of nv numbers, or four empty vectors");
   if (n == 0) return;
   if (!(pd.kp.minCoeff() >= 0 && pd.kd.minCoeff() >= 0))
-    throw std::invalid_argument("step: a gain in data.pd is negative or no number");
+    throw std::invalid_argument("step: a gain in data.pd is negative or not a number, expected gains of 0 or more");
   for (const Robot& robot : scene.robots)
     for (const Joint& joint : robot.model->joints)
       if (joint.nv() > 1 && !pd.kp.segment(robot.idx_v + joint.idx_v, joint.nv()).isZero(0))
         throw std::invalid_argument("step: joint " + robot.name + "/" + joint.name +
-                                    " has several coordinates, expected no kp of it in data.pd");
+                                    " has several coordinates, expected kp = 0 for this joint in data.pd");
 }
 
 }  // namespace manycontact::internal

@@ -28,7 +28,7 @@ void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
 
 bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const ConstVector& u,
                  SimulationData& data) {
-  if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
+  if (u.size() != scene.nu) throw std::invalid_argument("step: u has a wrong size, nu numbers are expected");
   torques_of_motors(scene, u, data.tau);
   if (data.pd.kp.size() > 0) add_pd_torques(scene, data.pd, q, v, data.tau);
   bool turning = rows_may_turn(scene, data);
@@ -67,8 +67,9 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
                                double h_, const Options& options)
     : integrator(integrator_), h(h_), q(q_), v(v_), dynamics(scene, options), at_rest(scene), free_groups(scene) {
   if (q.size() != scene.nq || v.size() != scene.nv)
-    throw std::invalid_argument("SimulationData: q or v does not fit the scene");
-  if (!(h > 0) || !std::isfinite(h)) throw std::invalid_argument("SimulationData: the step is not positive");
+    throw std::invalid_argument("SimulationData: q or v has a wrong size, nq and nv numbers are expected");
+  if (!(h > 0) || !std::isfinite(h))
+    throw std::invalid_argument("SimulationData: the step h is not a finite number above 0");
   if (has_applied_forces(scene)) applied = std::make_shared<AppliedForces<double>>(scene);
   if (!scene.springs.empty() || !scene.joint_springs.empty() ||
       std::ranges::any_of(scene.robots, [](const Robot& r) { return has_friction(*r.model); }))
@@ -100,12 +101,13 @@ Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, cons
 
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact) {
   (void)contact_at(scene, contact, "contact_force");
-  if (data.f_offset.empty()) throw std::logic_error("contact_force: step first");
+  if (data.f_offset.empty()) throw std::logic_error("contact_force: there are no forces yet, call step first");
   if (data.f_offset.size() != scene.contacts.size())
-    throw std::invalid_argument("contact_force: the data are of another scene");
+    throw std::invalid_argument("contact_force: the data belong to another scene, data of this scene are expected");
   const std::string& name = scene.contacts[contact].name;
   if (data.f_offset[contact] < 0)
-    throw std::logic_error("contact_force: contact " + quote(name) + " was not active in the last step");
+    throw std::logic_error("contact_force: contact " + quote(name) +
+                           " was not active in the last step and has no force");
   return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
 }
 
@@ -124,8 +126,9 @@ std::string failure(const Scene& scene, const SimulationData& data, StepStatus s
   }
   Eigen::Index fastest;
   const double speed = data.next_v.cwiseAbs().maxCoeff(&fastest);
-  char text[64];
-  std::snprintf(text, sizeof text, " moves at %.2g, beyond %.2g m/s or rad/s", speed, data.velocity_limit);
+  char text[80];
+  std::snprintf(text, sizeof text, " moves at %.2g m/s or rad/s, faster than the limit %.2g", speed,
+                data.velocity_limit);
   return velocity_names(scene)[fastest] + text;
 }
 

@@ -188,17 +188,21 @@ int rows_of_active(const Scene& scene, const std::vector<char>& active) {
 
 void check(const Scene& scene, const ConstBatchRows& u, const SimulationBatch& b, int steps) {
   const Eigen::Index n = b.q.rows();
-  expect(b.q.cols() == scene.nq && b.v.cols() == scene.nv, "step_batch: the batch is of another scene");
+  expect(b.q.cols() == scene.nq && b.v.cols() == scene.nv,
+         "step_batch: the batch belongs to another scene, a batch of this scene is expected");
   expect(u.rows() == n && u.cols() == scene.nu,
-         "step_batch: u does not fit, expected a row of nu numbers for each state");
-  expect(steps >= 0, "step_batch: the number of steps is negative");
-  expect(b.active.size() == scene.contacts.size(), "step_batch: batch.active does not fit the scene");
-  expect(b.wrenches.size() == scene.wrenches.size(), "step_batch: batch.wrenches does not fit the scene");
+         "step_batch: u has a wrong shape, expected a row of nu numbers for each state");
+  expect(steps >= 0, "step_batch: the number of steps is negative, 0 or more is expected");
+  expect(b.active.size() == scene.contacts.size(),
+         "step_batch: batch.active has a wrong size, a flag for each contact is expected");
+  expect(b.wrenches.size() == scene.wrenches.size(),
+         "step_batch: batch.wrenches has a wrong size, a wrench for each wrench of the scene is expected");
   const Eigen::Index gains = b.kp.size();
-  expect(b.kd.size() == gains && (gains == 0 || gains == scene.nv), "step_batch: batch.kp and kd do not fit the scene");
+  expect(b.kd.size() == gains && (gains == 0 || gains == scene.nv),
+         "step_batch: batch.kp or kd has a wrong size, nv numbers or none are expected");
   for (const BatchMatrix* X : {&b.q_ref, &b.v_ref})
     expect(gains == 0 || (X->rows() == n && X->cols() == scene.nv),
-           "step_batch: batch.q_ref and v_ref do not fit, expected a row of nv numbers for each state");
+           "step_batch: batch.q_ref or v_ref has a wrong shape, expected a row of nv numbers for each state");
 }
 
 // Updates the data with which the next step continues, after state `copy` was replaced in d.q, d.v.
@@ -222,8 +226,9 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
                                  Integrator integrator, double h, int threads, const Options& options)
     : q(q_), v(v_), status(static_cast<std::size_t>(q_.rows()), StepStatus::kOk) {
   expect(q.cols() == scene.nq && v.cols() == scene.nv && q.rows() == v.rows(),
-         "SimulationBatch: q or v does not fit the scene");
-  expect(threads >= 0 && threads <= kMostThreads, "SimulationBatch: the number of threads is negative or too large");
+         "SimulationBatch: q or v has a wrong shape, a row of nq and a row of nv numbers for each state are expected");
+  expect(threads >= 0 && threads <= kMostThreads,
+         "SimulationBatch: the number of threads is negative or too large, 0 to 4096 is expected");
   active = active_contacts(scene);
   wrenches = external_wrenches(scene);
   Options of_part = options;
@@ -260,8 +265,9 @@ void step_batch(const Scene& scene, const ConstBatchRows& u, SimulationBatch& ba
 
 void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const ConstVector& v, SimulationBatch& batch) {
   expect(q.size() == scene.nq && v.size() == scene.nv && batch.q.cols() == scene.nq,
-         "set_state: q or v does not fit the scene");
-  expect(k >= 0 && k < batch.q.rows(), "set_state: there is no such state");
+         "set_state: q or v has a wrong size, nq and nv numbers are expected");
+  expect(k >= 0 && k < batch.q.rows(),
+         "set_state: the number of the state is below 0 or too large, a number of a state of the batch is expected");
   Work& work = *batch.work;
   Part& part = work.parts[k / work.copies];
   const int copy = static_cast<int>(k - part.first), last = copy + 1 == part.states ? work.copies : copy + 1;

@@ -116,9 +116,10 @@ void find_momentum(SimulationData& d) {
 }
 
 bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& d) {
-  if (u.size() != scene.nu) throw std::invalid_argument("step: u does not fit the scene");
+  if (u.size() != scene.nu) throw std::invalid_argument("step: u has a wrong size, nu numbers are expected");
   if (d.dynamics.wrenches.size() != scene.wrenches.size())
-    throw std::invalid_argument("step: dynamics.wrenches does not fit the scene");
+    throw std::invalid_argument(
+        "step: dynamics.wrenches has a wrong size, a wrench for each wrench of the scene is expected");
   const double h = d.h;
   d.at_rest.follow(scene, h);
   const bool goes_on = goes_on_from_last(d);

@@ -62,8 +62,8 @@ using PanelView = Eigen::Map<const RowMajorMatrix, 0, Eigen::OuterStride<>>;
 /// Throws std::invalid_argument "where: what has 3 numbers, 7 expected" unless given equals expected.
 inline void check_size(const char* where, const char* what, Eigen::Index given, std::size_t expected) {
   if (given != static_cast<Eigen::Index>(expected))
-    throw std::invalid_argument(std::string(where) + ": " + what + " has " + std::to_string(given) + " numbers, " +
-                                std::to_string(expected) + " expected");
+    throw std::invalid_argument(std::string(where) + ": " + what + " has " + std::to_string(given) +
+                                " numbers, expected " + std::to_string(expected));
 }
 
 /// Throws std::invalid_argument if `data` is null.
@@ -116,7 +116,7 @@ template <class Data, class Base>
 Data& own_data(const char* where, const std::shared_ptr<Base>& data) {
   Data* own = dynamic_cast<Data*>(&check_data(where, data));
   require(own != nullptr, where,
-          "the data were created by another model, data of this one's createData() are expected");
+          "the data were created by another model, data of this model's createData() are expected");
   return *own;
 }
 

@@ -37,7 +37,8 @@ SceneData& SceneData::operator=(SceneData&&) noexcept = default;
 namespace internal {
 
 void check_scene(const Scene& scene, const SceneData& data, const char* function, const Island* island) {
-  if (!data.workspace) throw std::logic_error(std::string(function) + ": the data were moved from");
+  if (!data.workspace)
+    throw std::logic_error(std::string(function) + ": the data were moved to another object, make new data");
   const SceneIdentity& identity = data.workspace->scene;
   const std::string difference = island ? identity.difference(scene, *island) : identity.difference(scene);
   if (!difference.empty())
@@ -47,9 +48,10 @@ void check_scene(const Scene& scene, const SceneData& data, const char* function
 
 void check_solved(const Scene& scene, const SceneData& data, const char* function, const Island* island) {
   check_scene(scene, data, function, island);
-  if (data.serial == 0) throw std::logic_error(std::string(function) + ": solve first");
+  if (data.serial == 0) throw std::logic_error(std::string(function) + ": there is no solution, call solve first");
   if (data.workspace->active != data.active)
-    throw std::logic_error(std::string(function) + ": the active contacts changed since the last solve, solve first");
+    throw std::logic_error(std::string(function) +
+                           ": the active contacts changed since the last solve, call solve first");
 }
 
 void check_not_prescribed(const Scene& scene, const SceneData& data, const char* function) {
@@ -62,7 +64,7 @@ void check_not_prescribed(const Scene& scene, const SceneData& data, const char*
 void check_size(const char* function, const char* what, Eigen::Index given, Eigen::Index expected) {
   if (given != expected)
     throw std::invalid_argument(std::string(function) + ": " + what + " has " + std::to_string(given) +
-                                " numbers, the scene expects " + std::to_string(expected));
+                                " numbers, expected " + std::to_string(expected));
 }
 
 }  // namespace internal
@@ -87,7 +89,8 @@ Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, cons
   internal::check_solved(scene, data, "contact_force");
   (void)contact_at(scene, contact, "contact_force");
   if (data.f_offset[contact] < 0)
-    throw std::logic_error("contact_force: contact " + quote(scene.contacts[contact].name) + " is not active");
+    throw std::logic_error("contact_force: contact " + quote(scene.contacts[contact].name) +
+                           " is not active and has no force");
   return data.f.segment(data.f_offset[contact], scene.contacts[contact].rows());
 }
 

@@ -124,7 +124,7 @@ void restore_derivatives(Workspace& w) {
 
 void make_threads(int count, Workspace& w) {
   if (count < 0 || count > kMostThreads)
-    throw std::invalid_argument("prepare: " + std::to_string(count) + " threads, expected 0 ... " +
+    throw std::invalid_argument("prepare: options.threads is " + std::to_string(count) + ", expected 0 to " +
                                 std::to_string(kMostThreads));
   if (count == 0) count = internal::default_threads();
   w.threads.resize(count);
@@ -188,8 +188,8 @@ void internal::prepare_islands(const Scene& scene, const SceneData& data) {
 void internal::prepare_checked(const Scene& scene, SceneData& data) {
   Workspace& w = *data.workspace;
   if (data.active.size() != scene.contacts.size())
-    throw std::invalid_argument("prepare: " + std::to_string(data.active.size()) + " active flags for " +
-                                std::to_string(scene.contacts.size()) + " contacts");
+    throw std::invalid_argument("prepare: data.active has " + std::to_string(data.active.size()) +
+                                " flags, the scene has " + std::to_string(scene.contacts.size()) + " contacts");
   if (w.prepared && w.options == data.options && w.springs == scene.springs.size() && w.active == data.active &&
       reduction_is_current(scene, data))
     return;

@@ -25,7 +25,7 @@ bool differ(const Matrix& x, const Matrix& y) {
 }
 
 std::string counts(const char* what, std::size_t was, std::size_t is) {
-  return "they were made for " + std::to_string(was) + " " + what + ", the scene has " + std::to_string(is);
+  return "the data were made for " + std::to_string(was) + " " + what + ", the scene has " + std::to_string(is);
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ std::string SceneIdentity::difference_of_forces(const Scene& scene) const {
   for (std::size_t k = 0; k < joint_springs_.size(); ++k)
     if (scene.joint_springs[k].robot != joint_springs_[k].robot ||
         scene.joint_springs[k].joint != joint_springs_[k].joint)
-      return "spring " + std::to_string(k) + " in a joint is in another one";
+      return "spring " + std::to_string(k) + " in a joint is in another joint";
   return "";
 }
 

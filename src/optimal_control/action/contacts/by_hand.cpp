@@ -11,8 +11,9 @@ namespace manycontact {
 namespace {
 
 MultibodyData& motion_of(const char* where, const ContactDataAbstract& data) {
-  require(data.pinocchio != nullptr, where,
-          "the data are an action model's, which evaluates them; data of createData(MultibodyData*) are expected");
+  require(
+      data.pinocchio != nullptr, where,
+      "the data belong to an action model, which evaluates the data; data of createData(MultibodyData*) are expected");
   return *data.pinocchio;
 }
 

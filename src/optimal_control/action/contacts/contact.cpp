@@ -52,7 +52,7 @@ ContactModelAbstract::ContactModelAbstract(std::shared_ptr<StateMultibody> state
 
 void ContactModelAbstract::set_gains(const Eigen::Vector2d& gains) {
   require(gains.allFinite(), "ContactModel::set_gains",
-          "alpha = " + std::to_string(gains[0]) + ", beta = " + std::to_string(gains[1]) +
+          "alpha = " + std::to_string(gains[0]) + " and beta = " + std::to_string(gains[1]) +
               " were given, finite numbers are expected");
   gains_ = gains;
   contact_.alpha = gains[0];
@@ -124,7 +124,7 @@ ContactModelBetweenBodies::ContactModelBetweenBodies(std::shared_ptr<StateMultib
   require(contact_.A.robot != contact_.B.robot || contact_.A.joint != contact_.B.joint, "ContactModelBetweenBodies",
           "both frames are on the same body, two different bodies are expected");
   require(contact_type != ContactType::k5D || type == LOCAL, "ContactModelBetweenBodies",
-          "a 5D contact has its axis in both bodies, LOCAL is expected");
+          "the axis of a 5D contact is fixed in both bodies, LOCAL is expected");
   keep_axis("ContactModelBetweenBodies", axis);
 }
 
@@ -139,7 +139,9 @@ ContactModelOfScene::ContactModelOfScene(std::shared_ptr<StateMultibody> state, 
   for (const Attachment* at : {&contact.A, &contact.B})
     require(at->robot < scene.nrobots() && (at->robot < 0 || at->joint < scene.robots[at->robot].model->njoints()),
             "ContactModelOfScene",
-            "\"" + contact.name + "\" is on a body the state does not have; the state of its scene is expected");
+            "\"" + contact.name +
+                "\" is on a body that the state does not have; the state of the contact's scene is "
+                "expected");
   contact_.B = world_if_immovable(scene, contact.B);
   id_ = frame_on(*state_, contact.A);
 }

@@ -36,12 +36,12 @@ Model_::DifferentialActionModelContactFwdDynamics(std::shared_ptr<StateMultibody
       enable_force_(enable_force) {
   const auto check_part = [this](const auto& part, const char* what) {
     require(same_space(*part.get_state(), *state_), kDifferentialActionModelContactFwdDynamics,
-            std::string(what) + " of another state, this one's is expected");
+            std::string("the state of the ") + what + " differs from the model's state, the same state is expected");
     require(part.get_nu() == nu_, kDifferentialActionModelContactFwdDynamics,
-            std::string(what) + " of nu = " + std::to_string(part.get_nu()) + ", the actuation's " +
-                std::to_string(nu_) + " is expected");
+            std::string("nu of the ") + what + " is " + std::to_string(part.get_nu()) +
+                ", the actuation's nu = " + std::to_string(nu_) + " is expected");
   };
-  check_part(*actuation_, "an actuation");
+  check_part(*actuation_, "actuation");
   check_part(*contacts_, "contacts");
   check_part(*costs_, "costs");
   if (constraints_) {
@@ -99,7 +99,7 @@ bool Model_::checkData(const DataPtr& data) {
 Model_::Data& Model_::own(const char* where, const DataPtr& data) const {
   Data* d = dynamic_cast<Data*>(&check_data(where, data));
   require(d && d->owner == identity_, where,
-          "the data were created by another model, data of this one's createData() are expected");
+          "the data were created by another model, data of this model's createData() are expected");
   return *d;
 }
 

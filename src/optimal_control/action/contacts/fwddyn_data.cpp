@@ -118,7 +118,8 @@ void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialAction
   new (&data.panel) PanelView(nullptr, 0, 0, Eigen::OuterStride<>(0));  // the previous memory may be freed below
   require(data.storage != MatrixStorage::kPanel || island_count(m.solution) == 1,
           "DifferentialActionDataContactFwdDynamics",
-          "storage kPanel of a scene of " + std::to_string(island_count(m.solution)) + " islands, one is expected");
+          "storage kPanel requires a scene of one island, the scene has " + std::to_string(island_count(m.solution)) +
+              " islands: kDense is expected");
   m.islands.assign(island_count(m.solution), {});
   m.custom.assign(how == Actuation::kCustom ? m.islands.size() : 0, {});
   data.Fx.setZero();

@@ -50,12 +50,12 @@ ActivationBounds::ActivationBounds(const Eigen::VectorXd& lower, const Eigen::Ve
     : lb(lower), ub(upper), beta(b) {
   const std::string where = "ActivationBounds";
   check_size("ActivationBounds", "ub", ub.size(), lb.size());
-  require(beta >= 0 && beta <= 1, where, "beta is " + std::to_string(beta) + ", 0 to 1 expected");
+  require(beta >= 0 && beta <= 1, where, "beta is " + std::to_string(beta) + ", a number from 0 to 1 is expected");
   const double infinity = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < lb.size(); ++i) {
     require(lb[i] <= ub[i] && lb[i] < infinity && ub[i] > -infinity, where,
             "bounds " + std::to_string(i) + " are " + std::to_string(lb[i]) + " and " + std::to_string(ub[i]) +
-                ", lb <= ub expected");
+                ", lb <= ub is expected");
     if (!std::isfinite(lb[i]) || !std::isfinite(ub[i])) continue;
     const double middle = lb[i] + (ub[i] - lb[i]) / 2, half = (ub[i] - lb[i]) / 2;
     if (beta == 1) continue;  // the given bounds remain exact
@@ -114,13 +114,13 @@ namespace {
 
 double positive(const std::string& where, const char* what, double number) {
   require(number > 0 && std::isfinite(number), where,
-          std::string(what) + " is " + std::to_string(number) + ", a positive number expected");
+          std::string(what) + " is " + std::to_string(number) + ", a positive number is expected");
   return number;
 }
 
 double not_negative(const std::string& where, double alpha) {
   require(alpha >= 0 && std::isfinite(alpha), where,
-          "alpha is " + std::to_string(alpha) + ", a number that is not negative expected");
+          "alpha is " + std::to_string(alpha) + ", a number that is not negative is expected");
   return alpha;
 }
 

@@ -14,7 +14,7 @@ ConstraintModelResidual::ConstraintModelResidual(std::shared_ptr<StateAbstract> 
   constexpr const char* kWho = "ConstraintModelResidual";
   require(state_ && residual_, kWho, "a null pointer was given, a state and a residual are expected");
   require(same_space(*residual_->get_state(), *state_), kWho,
-          "the residual belongs to another state, this one's is expected");
+          "the residual belongs to another state, the constraint's state is expected");
   check_size(kWho, "the lower bound", lower.size(), residual_->get_nr());
   check_size(kWho, "the upper bound", upper.size(), residual_->get_nr());
   for (int i = 0; i < lower.size(); ++i) {
@@ -133,7 +133,7 @@ template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;
   require(from.rows() == to.rows() && from.cols() == to.cols(), kConstraintModelManager,
-          "the shared data were made for other constraints, `resize` is expected before");
+          "the shared data were made for other constraints, call `resize` first");
   to = from;
 }
 
@@ -158,7 +158,7 @@ void ConstraintModelManager::check_residuals(const char* where, const Constraint
   auto of = data.of.begin();
   for (const auto& [name, item] : parts_)
     if (*of++ != item->constraint->get_residual())
-      require(false, where, "the data of \"" + name + "\" are of another constraint, new data are expected");
+      require(false, where, "the data of \"" + name + "\" belong to another constraint, new data are expected");
 }
 
 void ConstraintModelManager::lay_out(ConstraintDataManager& data, bool terminal) const {

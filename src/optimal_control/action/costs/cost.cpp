@@ -84,10 +84,10 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
   require(state_ && activation_ && residual_, "CostModelResidual",
           "a null pointer was given, a state, an activation and a residual are expected");
   require(same_space(*residual_->get_state(), *state_), "CostModelResidual",
-          "the residual belongs to another state, this one's is expected");
+          "the residual belongs to another state, the cost's state is expected");
   require(activation_->get_nr() == residual_->get_nr(), "CostModelResidual",
-          "the activation has nr = " + std::to_string(activation_->get_nr()) + ", the residual's " +
-              std::to_string(residual_->get_nr()) + " is expected");
+          "the activation has nr = " + std::to_string(activation_->get_nr()) +
+              ", the residual's nr = " + std::to_string(residual_->get_nr()) + " is expected");
   unone_ = Eigen::VectorXd::Zero(get_nu());
 }
 
@@ -96,7 +96,8 @@ CostModelAbstract::CostModelAbstract(std::shared_ptr<StateAbstract> state,
     : CostModelAbstract(state, activation, own_residual(state, nr_of(activation), nu)) {}
 
 void CostModelAbstract::calcDiff(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
-  throw std::logic_error("CostModelAbstract::calcDiff: the cost has no derivatives, a calcDiff is expected");
+  throw std::logic_error(
+      "CostModelAbstract::calcDiff: the cost has no derivatives, define calcDiff in the class of the cost");
 }
 
 void CostModelAbstract::print(std::ostream& os) const {
@@ -110,7 +111,7 @@ void CostModelResidual::print(std::ostream& os) const {
 void CostModelResidual::check(const char* where, const DataPtr& data) const {
   const CostDataAbstract& d = check_data(where, data);
   require(d.of_residual == residual_ && d.of_activation == activation_, where,
-          "the data were created by another cost, data of this one's createData() are expected");
+          "the data were created by another cost, data of this cost's createData() are expected");
 }
 
 void CostModelResidual::evaluate(const DataPtr& data, const ConstVectorRef& x, const ConstVectorRef* u) {

@@ -38,7 +38,7 @@ void check_sizes(const CostDataAbstract& d, const CostDerivatives& out, bool ter
   };
   const bool of_x = d.Lx.size() == nx && is(d.Lxx, nx, nx);
   require(of_x && (terminal || (d.Lu.size() == nu && is(d.Lxu, nx, nu) && is(d.Luu, nu, nu))), "CostModelSum::calcDiff",
-          "a cost's calcDiff left Lx, Lu, Lxx, Lxu or Luu of another size, theirs is expected");
+          "the calcDiff of a cost changed the size of Lx, Lu, Lxx, Lxu or Luu, unchanged sizes are expected");
 }
 
 // Copies the upper triangle of a symmetric row-major matrix to the lower triangle. ld: its row length, a multiple of 8.

@@ -11,7 +11,8 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require_at_least_zero(double given, const char* where, const char* what) {
-  require(given >= 0, where, std::string(what) + " is " + std::to_string(given) + ", zero or more expected");
+  require(given >= 0, where,
+          std::string(what) + " is " + std::to_string(given) + ", a number of 0 or more is expected");
 }
 
 // Returns the friction coefficient of the facets, which is smaller than mu if the pyramid is inside the cone.
@@ -40,7 +41,8 @@ void check_box(const Eigen::Vector2d& box, const char* where) {
 FrictionCone::FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf, bool inner_appr, double min_nforce,
                            double max_nforce)
     : nf_(nf), R_(R), inner_(inner_appr) {
-  require(nf > 0 && nf % 2 == 0, "FrictionCone", "nf is " + std::to_string(nf) + ", an even number of facets expected");
+  require(nf > 0 && nf % 2 == 0, "FrictionCone",
+          "nf is " + std::to_string(nf) + ", a positive even number of facets is expected");
   set_mu(mu);
   set_min_nforce(min_nforce);
   set_max_nforce(max_nforce);
@@ -52,7 +54,7 @@ FrictionCone::FrictionCone(const Eigen::Matrix3d& R, double mu, std::size_t nf, 
 
 void FrictionCone::set_mu(double mu) {
   require(mu >= 0 && std::isfinite(mu), "FrictionCone",
-          "mu is " + std::to_string(mu) + ", a number of zero or more expected");
+          "mu is " + std::to_string(mu) + ", a number of 0 or more is expected");
   mu_ = mu;
 }
 

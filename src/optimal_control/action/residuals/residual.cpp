@@ -76,7 +76,8 @@ void ResidualModelAbstract::calcDiff(const DataPtr& data, const ConstVectorRef& 
 }
 
 void ResidualModelAbstract::differentiate(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
-  throw std::logic_error("ResidualModelAbstract::calcDiff: the residual has no derivatives, a calcDiff is expected");
+  throw std::logic_error(
+      "ResidualModelAbstract::calcDiff: the residual has no derivatives, define calcDiff in the class of the residual");
 }
 
 void ResidualModelAbstract::differentiate(const DataPtr& data, const ConstVectorRef& x) {

@@ -38,13 +38,13 @@ Data& own(ResidualDataAbstract& data) {
 /// Throws std::invalid_argument unless the collector has robots.
 inline void expect_motion(const char* who, const DataCollector* shared) {
   require(shared && shared->scene.nrobots() > 0, who,
-          "the collector has no motion, one of a MultibodyData or of an action model is expected");
+          "the collector has no motion, a collector of a MultibodyData or of an action model is expected");
 }
 
 /// Throws std::invalid_argument in standalone evaluation, where the dynamics are not solved.
 inline void expect_dynamics(const char* who, const DataCollector* shared) {
   expect_motion(who, shared);
-  require(!shared->whole, who, "it needs the solved dynamics, and so an action model's data");
+  require(!shared->whole, who, "the residual needs the solved dynamics, data of an action model are expected");
 }
 
 }  // namespace manycontact::internal

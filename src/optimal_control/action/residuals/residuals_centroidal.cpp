@@ -31,13 +31,14 @@ CentroidalResidual::CentroidalResidual(const char* name, std::shared_ptr<StateMu
     : NamedResidual(name, std::move(state), nr, nu, on), robot_(robot), mass_(0) {
   const Scene& scene = internal::multibody(state_).get_model()->scene();
   require(robot >= -1 && robot < scene.nrobots(), name,
-          "robot " + std::to_string(robot) + " does not exist, -1 (all) to " + std::to_string(scene.nrobots() - 1) +
-              " expected");
+          "robot " + std::to_string(robot) + " does not exist, a number from -1 (all robots) to " +
+              std::to_string(scene.nrobots() - 1) + " is expected");
   first_ = robot < 0 ? 0 : robot;
   last_ = robot < 0 ? scene.nrobots() : robot + 1;
   for (int r = first_; r < last_; ++r)
     for (const Joint& joint : scene.robots[r].model->joints) mass_ += joint.inertia.m;
-  require(mass_ > 0, name, "the moving bodies' mass is " + std::to_string(mass_) + ", a positive one is expected");
+  require(mass_ > 0, name,
+          "the mass of the moving bodies is " + std::to_string(mass_) + ", a positive mass is expected");
 }
 
 std::shared_ptr<ResidualDataAbstract> CentroidalResidual::createData(DataCollector* shared) {

@@ -86,7 +86,7 @@ std::string ContactResidual::misfit(ContactType type) const {
 
 void ContactResidual::set_axes(ConeAxes axes) {
   require(axes == ConeAxes::kContact || is_cone(), name_,
-          "axes are those of the contact, expected others on cones only");
+          "only cones may have other axes than the contact, ConeAxes::kContact is expected");
   axes_ = axes;
 }
 
@@ -123,7 +123,7 @@ void ContactResidual::lay_out(ResidualDataAbstract& data) const {
 
 bool ContactResidual::fits(const ResidualDataAbstract& data) const {
   const auto* d = dynamic_cast<const ContactResidualData*>(&data);
-  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  require(d, name_, "the data were created by another residual, data of this residual's createData() are expected");
   return d->id == id_ && d->name == contact_;
 }
 
@@ -173,12 +173,12 @@ ResidualModelContactForce::ResidualModelContactForce(std::shared_ptr<StateMultib
                                                      bool fwddyn)
     : ResidualWithReference(fref, "ResidualModelContactForce", std::move(state), id, nc, nu, fwddyn) {
   require(nc == 1 || nc == 2 || nc == 3 || nc == 5 || nc == 6, name_,
-          "nc is " + std::to_string(nc) + ", 1, 2, 3, 5 or 6 expected");
+          "nc is " + std::to_string(nc) + ", but 1, 2, 3, 5 or 6 is expected");
 }
 
 std::string ResidualModelContactForce::misfit(ContactType type) const {
   if (contact_rows(type) == static_cast<int>(nr_)) return "";
-  return dimension(type) + ", one with nc = " + std::to_string(nr_) + " is expected";
+  return dimension(type) + ", a contact with nc = " + std::to_string(nr_) + " is expected";
 }
 
 void ResidualModelContactForce::form(const Wrenches& P, Eigen::MatrixXd& B, Eigen::VectorXd& b) const {

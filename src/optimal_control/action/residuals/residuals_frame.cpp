@@ -65,7 +65,7 @@ void FrameResidual::lay_out(ResidualDataAbstract& data) const {
 
 bool FrameResidual::fits(const ResidualDataAbstract& data) const {
   const auto* d = dynamic_cast<const FrameResidualData*>(&data);
-  require(d, name_, "the data were created by another residual, data of this one's createData() are expected");
+  require(d, name_, "the data were created by another residual, data of this residual's createData() are expected");
   return d->frame == &internal::multibody(state_).get_model()->frames[id_];
 }
 

@@ -75,7 +75,8 @@ std::shared_ptr<ResidualDataAbstract> GravityResidual::createData(DataCollector*
     internal::expect_dynamics(name_, shared);
   else
     internal::expect_motion(name_, shared);
-  require(shared->actuation != nullptr, name_, "the collector has no actuation's data, one with them is expected");
+  require(shared->actuation != nullptr, name_,
+          "the collector has no data of an actuation, a collector with such data is expected");
   auto data = std::make_shared<GravityData>(this, shared);
   lay_out(*data);
   return data;

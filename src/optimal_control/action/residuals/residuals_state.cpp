@@ -91,7 +91,8 @@ ResidualModelJointEffort::ResidualModelJointEffort(std::shared_ptr<StateAbstract
     : ControlResidual("ResidualModelJointEffort", std::move(state), uref, nu_of(actuation, nu)) {
   require(actuation != nullptr, name_, "the actuation is a null pointer, a model is expected");
   require(nu_ == actuation->get_nu(), name_,
-          "nu is " + std::to_string(nu_) + ", the actuation's " + std::to_string(actuation->get_nu()) + " expected");
+          "nu is " + std::to_string(nu_) + ", the actuation's nu = " + std::to_string(actuation->get_nu()) +
+              " is expected");
   check_size(name_, "the reference", uref.size(), nr_);
 }
 

@@ -37,7 +37,8 @@ void ActionModelAugmentedLagrangian::set_penalty(double rho) {
 }
 
 DataPtr ActionModelAugmentedLagrangian::createData(DataPtr inner) {
-  require(model_->checkData(inner), kName, "data of the model's createData() are expected");
+  require(model_->checkData(inner), kName,
+          "the data belong to another model, data of the model's createData() are expected");
   require(inner->Fx.rows() == static_cast<Index>(state_->get_ndx()), kName,
           "the model's data have no matrices (ActionModelParts with storage kSparse), kDense is expected");
   return std::make_shared<ActionDataAugmentedLagrangian>(this, std::move(inner));

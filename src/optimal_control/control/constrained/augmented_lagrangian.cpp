@@ -80,7 +80,7 @@ SolverAugmentedLagrangian::SolverAugmentedLagrangian(std::shared_ptr<ShootingPro
   decorate();
   inner_ = make(augmented_);
   require(inner_ != nullptr && inner_->get_problem() == augmented_, kSolverAugmentedLagrangian,
-          "a solver of the problem that was passed is expected");
+          "the solver that was made is null or solves another problem, a solver of the passed problem is expected");
   inner_->set_judges(false);
   inner_->setCallbacks({std::make_shared<Relay>(*this)});
 }

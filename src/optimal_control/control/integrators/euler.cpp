@@ -40,11 +40,12 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
   } else {
     const ControlParametrizationModelAbstract& parametrization = *model->get_control();
     require(model->get_nu() > 0 && dynamic_cast<const DifferentialActionDataContactFwdDynamics*>(differential.get()),
-            "IntegratedActionModelEuler", "storage kPanel of dynamics without controls or without contact dynamics");
+            "IntegratedActionModelEuler", "storage kPanel requires contact dynamics with controls: kDense is expected");
     require(g.size() + h.size() == 0 && joints_are_known &&
                 typeid(parametrization) == typeid(ControlParametrizationModelPolyZero),
             "IntegratedActionModelEuler",
-            "storage kPanel with constraints, controls that change over a step or a state of another kind");
+            "storage kPanel requires a StateVector or StateMultibody, controls that are constant over a step, and no "
+            "constraints: kDense is expected");
     Lx.setZero(state->get_ndx());
     Lu.setZero(model->get_nu());
     pulled.setZero(state->get_nv());
@@ -60,7 +61,7 @@ IntegratedActionDataEuler::IntegratedActionDataEuler(IntegratedActionModelEuler*
 
 const PanelView& IntegratedActionDataEuler::panel() const {
   if (!differential->panel.data())
-    throw std::logic_error("IntegratedActionDataEuler: no derivatives, calcDiff is expected");
+    throw std::logic_error("IntegratedActionDataEuler: there are no derivatives, call calcDiff first");
   return differential->panel;
 }
 

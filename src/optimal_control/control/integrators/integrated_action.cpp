@@ -29,7 +29,7 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(
       with_cost_residual_(with_cost_residual) {
   require(control_->get_nw() == differential_->get_nu(), kIntegratedActionModel,
           "the control parametrization has nw = " + std::to_string(control_->get_nw()) +
-              ", the model's nu = " + std::to_string(differential_->get_nu()) + " is expected");
+              ", nw = " + std::to_string(differential_->get_nu()) + ", the model's nu, is expected");
   set_dt(time_step);
   control_->convertBounds(differential_->get_u_lb(), differential_->get_u_ub(), u_lb_, u_ub_);
   update_has_control_limits();
@@ -43,7 +43,7 @@ IntegratedActionModelAbstract::IntegratedActionModelAbstract(std::shared_ptr<Dif
 
 void IntegratedActionModelAbstract::set_dt(double dt) {
   require(dt >= 0 && std::isfinite(dt), kIntegratedActionModel,
-          "a time step of " + std::to_string(dt) + " s was given, a finite one that is not negative is expected");
+          "a time step of " + std::to_string(dt) + " s was given, a finite time step that is not negative is expected");
   time_step_ = dt;
   time_step2_ = dt * dt;
 }

@@ -22,13 +22,11 @@ const DataCollector& dynamics_of(const DifferentialActionDataAbstract& data) {
 std::shared_ptr<DifferentialActionModelAbstract> of_contact_dynamics(
     std::shared_ptr<DifferentialActionModelAbstract> model) {
   const auto* own = model.get();
-  require(
-      !own || typeid(*own) == typeid(DifferentialActionModelContactFwdDynamics) ||
-          typeid(*own) == typeid(DifferentialActionModelFreeFwdDynamics),
-      SymplecticModel::kName,
-      "dynamics that are not DifferentialActionModelContactFwdDynamics itself, which this is the step of: for others, "
-      "and for classes derived from it, take "
-      "IntegratedActionModelEuler");
+  require(!own || typeid(*own) == typeid(DifferentialActionModelContactFwdDynamics) ||
+              typeid(*own) == typeid(DifferentialActionModelFreeFwdDynamics),
+          SymplecticModel::kName,
+          "DifferentialActionModelContactFwdDynamics or DifferentialActionModelFreeFwdDynamics is expected: for other "
+          "dynamics, and for classes derived from these two, use IntegratedActionModelEuler");
   return model;
 }
 

@@ -98,11 +98,13 @@ void check_cover(const char* where, const char* what, std::size_t size, const st
   for (const ActionPart& part : parts)
     for (const int i : part.*list) {
       require(i >= 0 && static_cast<std::size_t>(i) < size && !taken[i], where,
-              std::string("a coordinate of ") + what + " that does not exist or is another's, one part's is expected");
+              std::string("a part has a coordinate of ") + what +
+                  " that does not exist or belongs to another part, each coordinate in one part is expected");
       taken[i] = true;
       ++count;
     }
-  require(count == size, where, std::string("a coordinate of ") + what + " is no part's");
+  require(count == size, where,
+          std::string("a coordinate of ") + what + " belongs to no part, each coordinate in one part is expected");
 }
 
 }  // namespace manycontact::internal

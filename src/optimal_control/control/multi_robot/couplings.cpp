@@ -25,7 +25,7 @@ std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vecto
               "a part has a robot that does not exist or belongs to another part, each robot in one part is expected");
       out[r] = static_cast<int>(i);
     }
-  for (const int i : out) require(i >= 0, kCouplings, "a robot is no part's");
+  for (const int i : out) require(i >= 0, kCouplings, "a robot belongs to no part, each robot in one part is expected");
   return out;
 }
 
@@ -41,10 +41,9 @@ const DifferentialActionModelContactFwdDynamics& dynamics_of(const ActionPart& p
   const auto* euler = dynamic_cast<const IntegratedActionModelEuler*>(node);
   const auto* model =
       euler ? dynamic_cast<const DifferentialActionModelContactFwdDynamics*>(euler->get_differential().get()) : nullptr;
-  require(
-      model != nullptr, kCouplings,
-      "a part's model is an IntegratedActionModelEuler of DifferentialActionModelContactFwdDynamics, others are not "
-      "supported");
+  require(model != nullptr, kCouplings,
+          "the model of a part is not supported, an IntegratedActionModelEuler of "
+          "DifferentialActionModelContactFwdDynamics is expected");
   return *model;
 }
 
@@ -71,7 +70,9 @@ std::vector<Coupling> couplings_between(const Scene& scene, const std::vector<st
     const int a = part[contact.A.robot], b = part[contact.B.robot];
     if (a == b) continue;
     require(joins_robots(contact), kCouplings,
-            "contact " + contact.name + " is between parts, and one of its bodies does not move");
+            "contact " + contact.name +
+                " is between parts, and a body of the contact does not move: two bodies that "
+                "move are expected");
     out.push_back({static_cast<int>(c), a, b});
   }
   return out;
@@ -107,7 +108,8 @@ Couplings::Couplings(Scene scene, const std::vector<ActionPart>& parts)
     const auto& dynamics = dynamics_of(part);
     const auto* actuation = dynamic_cast<const ActuationModelWrenches*>(dynamics.get_actuation().get());
     require(actuation && same(actuation->ends(), wrench_ends(scene_, couplings_, robots, static_cast<int>(i))),
-            kCouplings, "a part is expected to be actuated by ActuationModelWrenches of its wrench_ends");
+            kCouplings,
+            "the actuation of a part is not the expected ActuationModelWrenches with the part's wrench_ends");
     check_size(kCouplings, "a part's robots", part.robots.size(),
                static_cast<std::size_t>(dynamics.get_model().scene().nrobots()));
     check_size(kCouplings, "a part's u", part.u.size(), actuation->nu_own());

@@ -74,7 +74,7 @@ ActionModelParts::ActionModelParts(std::shared_ptr<StateMultibody> state, Scene 
 }
 
 void ActionModelParts::check_parts() {
-  require(!parts_.empty(), kName, "there is no part, one at least is expected");
+  require(!parts_.empty(), kName, "there is no part, at least one part is expected");
   internal::check_cover(kName, "x", state_->get_nx(), parts_, &ActionPart::x);
   internal::check_cover(kName, "dx", state_->get_ndx(), parts_, &ActionPart::dx);
   internal::check_cover(kName, "u", nu_, parts_, &ActionPart::u);
@@ -115,7 +115,7 @@ DataPtr ActionModelParts::createData(std::vector<DataPtr> parts) {
   const bool without = storage_ == MatrixStorage::kSparse && !couplings_;
   for (const DataPtr& part : parts)
     require(without || check_data("ActionModelParts::createData", part).has_matrices(), "ActionModelParts::createData",
-            "a part's data have no matrices, storage kSparse is expected, and no couplings");
+            "the data of a part have no matrices: storage kSparse and no couplings are expected");
   auto data = storage_ == MatrixStorage::kDense ? std::make_shared<ActionDataParts>(this)
                                                 : std::make_shared<ActionDataParts>(this, WithoutMatrices{});
   data->parts = std::move(parts);
@@ -228,7 +228,8 @@ const ActionModelParts* as_parts(const std::shared_ptr<ActionModelAbstract>& mod
 
 const ActionModelParts& parts_of(const ShootingProblem& problem, std::size_t t) {
   const auto* model = as_parts(problem.model(t));
-  require(model != nullptr, kSeparate, "some nodes are ActionModelParts and others are not, all are expected");
+  require(model != nullptr, kSeparate,
+          "some nodes are ActionModelParts and others are not: ActionModelParts at all nodes are expected");
   return *model;
 }
 

@@ -14,7 +14,7 @@ std::unique_ptr<Direction> SolverSparse::direction_of(ShootingPart part) const {
   const bool coupled = CoupledDirection::applies_to(*part.problem);
   if (coupled && !keeps_limits()) return std::make_unique<CoupledDirection>(std::move(part), false);
   require(!coupled || part.problem->get_terminalData()->Fx.size() > 0, "SolverSparse",
-          "robots in contact have limits and nodes of storage kSparse, kDense is expected");
+          "robots in contact have limits and nodes of storage kSparse, storage kDense is expected");
   if (keeps_limits()) return std::make_unique<BoxDirection>(std::move(part), false);
   return std::make_unique<RiccatiDirection>(std::move(part), false, false);
 }

@@ -50,7 +50,8 @@ ActuationModelWrenches::ActuationModelWrenches(std::shared_ptr<StateMultibody> s
   for (const WrenchEnd& end : ends_)
     require(end.robot >= 0 && end.robot < scene.nrobots() && end.joint >= 0 &&
                 end.joint < robot_of_end(*multibody_, end).model->njoints(),
-            kActuationModelWrenches, "a wrench acts on a body that does not exist");
+            kActuationModelWrenches,
+            "a wrench acts on a body that does not exist, a body of the state's robots is expected");
 }
 
 std::shared_ptr<ActuationDataAbstract> ActuationModelWrenches::createData() {
@@ -116,10 +117,10 @@ void ActuationModelWrenches::calcDiff(const DataPtr& data, const ConstVectorRef&
 }
 
 void ActuationModelWrenches::commands(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
-  throw std::logic_error("ActuationModelWrenches::commands: not offered");
+  throw std::logic_error("ActuationModelWrenches::commands: the actuation does not support commands");
 }
 void ActuationModelWrenches::torqueTransform(const DataPtr&, const ConstVectorRef&, const ConstVectorRef&) {
-  throw std::logic_error("ActuationModelWrenches::torqueTransform: not offered");
+  throw std::logic_error("ActuationModelWrenches::torqueTransform: the actuation does not support torqueTransform");
 }
 
 void ActuationModelWrenches::print(std::ostream& os) const {

@@ -29,7 +29,8 @@ void ActionDataAbstract::allocate_matrices(const ActionModelAbstract* model) {
 }
 
 static void expect_matrices(const ActionDataAbstract& d) {
-  if (!d.has_matrices()) throw std::logic_error("ActionDataAbstract: the parts' data contain the matrices");
+  if (!d.has_matrices())
+    throw std::logic_error("ActionDataAbstract: the data have no matrices, use the data of the parts");
 }
 
 void ActionDataAbstract::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {

@@ -192,9 +192,9 @@ Model_::ActionModelImpulseFwdDynamics(std::shared_ptr<StateMultibody> state,
       actuation_(std::make_shared<internal::ImpactActuation>(multibody_)) {
   const auto check_part = [this](const auto& part, const char* what, std::size_t nu) {
     require(same_space(*part.get_state(), *state_), kActionModelImpulseFwdDynamics,
-            std::string(what) + " of another state, this one's is expected");
+            std::string("the state of the ") + what + " differs from the model's state, the same state is expected");
     require(nu == 0, kActionModelImpulseFwdDynamics,
-            std::string(what) + " of nu = " + std::to_string(nu) + ", 0 is expected");
+            std::string("nu of the ") + what + " is " + std::to_string(nu) + ", nu = 0 is expected");
   };
   check_part(*impulses_, "impulses", 0);
   check_part(*costs_, "costs", costs_->get_nu());
@@ -283,7 +283,7 @@ void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u)
   internal::check_terms(where, terms, *d.costs, d.constraints.get());
   for (const auto& [name, item] : impulses_->get_impulses())
     require(item->active == impulses_->get_contacts()->getContactStatus(name), where,
-            "the status of an impulse was written into its item, changeImpulseStatus is expected");
+            "the status of an impulse was changed in the item, call changeImpulseStatus instead");
   const Eigen::Index nq = state_->get_nq(), nv = state_->get_nv();
   d.stage = Stage::kFresh;
   d.x = x;

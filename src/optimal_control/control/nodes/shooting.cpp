@@ -24,7 +24,7 @@ ShootingProblem::Datas datas_of(const ShootingProblem::Models& models) {
 
 const ActionModelAbstract& first_of(const ShootingProblem::Models& models) {
   require(!models.empty() && models[0] != nullptr, kShootingProblem,
-          "there is no running model, one at least is expected");
+          "there is no running model, at least one running model is expected");
   return *models[0];
 }
 
@@ -44,8 +44,8 @@ ShootingProblem::ShootingProblem(const Eigen::VectorXd& x0, const Models& runnin
       ndx_(first_of(running_models).get_state()->get_ndx()) {
   check_size(kShootingProblem, "x0", x0.size(), nx_);
   require(running_datas_.size() == running_models_.size(), kShootingProblem,
-          std::to_string(running_datas_.size()) + " running data were given, as many as running models are expected: " +
-              std::to_string(running_models_.size()));
+          std::to_string(running_datas_.size()) + " running data were given, " +
+              std::to_string(running_models_.size()) + " are expected, the number of running models");
   for (std::size_t t = 0; t < get_T(); ++t) check_data(kShootingProblem, running_models_[t], running_datas_[t]);
   check_data(kShootingProblem, terminal_model_, terminal_data_);
   set_nthreads(0);
@@ -55,17 +55,20 @@ void ShootingProblem::check_node(const char* where, const ModelPtr& model) const
   require(model != nullptr, where, "an action model is a null pointer");
   const StateAbstract& state = *model->get_state();
   require(state.get_nx() == nx_ && state.get_ndx() == ndx_, where,
-          "an action model's state has nx, ndx that differ from the other nodes'");
+          "the state of an action model has another nx or ndx than the other nodes, equal numbers are expected");
 }
 
 void ShootingProblem::check_data(const char* where, const ModelPtr& model, const DataPtr& data) const {
   check_node(where, model);
-  require(model->checkData(data), where, "action data are not of their model, data of its createData() are expected");
+  require(model->checkData(data), where,
+          "action data belong to another model, data of the model's createData() are expected");
 }
 
 void ShootingProblem::check_sizes(const char* where, std::size_t xs, std::size_t expected_xs, std::size_t us) const {
-  require(xs == expected_xs, where, "the number of states does not fit the number of nodes");
-  require(us == get_T(), where, "the number of controls is not the number of running nodes");
+  require(xs == expected_xs, where,
+          "the number of states differs from the number of nodes, equal numbers are expected");
+  require(us == get_T(), where,
+          "the number of controls differs from the number of running nodes, equal numbers are expected");
 }
 
 double ShootingProblem::total_cost() const {
@@ -144,7 +147,7 @@ void ShootingProblem::circularAppend(ModelPtr model) {
 }
 
 void ShootingProblem::updateNode(std::size_t i, ModelPtr model, DataPtr data) {
-  require(i <= get_T(), "ShootingProblem::updateNode", "there is no such node, 0 ... T are expected");
+  require(i <= get_T(), "ShootingProblem::updateNode", "the node does not exist, a number from 0 to T is expected");
   check_data("ShootingProblem::updateNode", model, data);
   (i == get_T() ? terminal_model_ : running_models_[i]) = std::move(model);
   (i == get_T() ? terminal_data_ : running_datas_[i]) = std::move(data);

@@ -69,7 +69,9 @@ const Kept& kept(const RiccatiDirection* recursion, const Kept& (RiccatiDirectio
 
 RiccatiDirection& as_recursion(Direction& direction) {
   auto* own = dynamic_cast<RiccatiDirection*>(&direction);
-  if (!own) throw std::logic_error("SolverDDP: robots in contact with each other have no value functions of their own");
+  if (!own)
+    throw std::logic_error(
+        "SolverDDP: robots in contact with each other have no separate value functions, use backwardPass");
   return *own;
 }
 
@@ -100,7 +102,8 @@ void SolverDDP::backwardPass() {
 
 void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>& model,
                                            const std::shared_ptr<ActionDataAbstract>& data) {
-  require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction", "there is no such node");
+  require(t < problem_->get_T(), "SolverDDP::computeActionValueFunction",
+          "the node does not exist, a number below T is expected");
   each_direction([&](Direction& own) {
     const bool whole = own.get_problem() == problem_;
     as_recursion(own).compute_action_value_function(t, whole ? *model : *own.get_problem()->model(t),
@@ -109,7 +112,7 @@ void SolverDDP::computeActionValueFunction(std::size_t t, const std::shared_ptr<
 }
 
 void SolverDDP::computeGains(std::size_t t) {
-  require(t < problem_->get_T(), "SolverDDP::computeGains", "there is no such node");
+  require(t < problem_->get_T(), "SolverDDP::computeGains", "the node does not exist, a number below T is expected");
   each_direction([&](Direction& own) {
     own.is_sound_ = as_recursion(own).compute_gains(t);
     own.give_u(own.k_, k_);
@@ -118,7 +121,8 @@ void SolverDDP::computeGains(std::size_t t) {
 }
 
 void SolverDDP::computeValueFunction(std::size_t t, const std::shared_ptr<ActionModelAbstract>&) {
-  require(t < problem_->get_T(), "SolverDDP::computeValueFunction", "there is no such node");
+  require(t < problem_->get_T(), "SolverDDP::computeValueFunction",
+          "the node does not exist, a number below T is expected");
   each_direction([&](Direction& own) {
     as_recursion(own).compute_value_function(t);
     own.give_dx(own.Vx_[t], Vx_[t]);

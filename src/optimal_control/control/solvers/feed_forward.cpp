@@ -96,7 +96,7 @@ void SolverDDP::computeFeedForwardDirection() {
 }
 
 StopReason SolverDDP::descend(std::size_t maxiter) {
-  require(is_feasible_, "SolverDDP::descend", "a candidate without gaps is expected");
+  require(is_feasible_, "SolverDDP::descend", "the candidate has gaps, a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
   // A larger regularisation would make `stop` smaller.

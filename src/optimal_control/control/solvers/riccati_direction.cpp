@@ -174,7 +174,7 @@ void RiccatiDirection::compute_action_value_function(std::size_t t, const Action
 }
 
 bool RiccatiDirection::compute_gains(std::size_t t) {
-  require(t == node_, "SolverDDP::computeGains", "computeActionValueFunction of this node is expected first");
+  require(t == node_, "SolverDDP::computeGains", "call computeActionValueFunction for this node first");
   if (Qu_[t].size() == 0) return true;
   if (!riccati_.eliminate(L_[t], 0)) return false;
   K_[t] = riccati_.Kt().transpose();
@@ -185,7 +185,7 @@ bool RiccatiDirection::compute_gains(std::size_t t) {
 }
 
 void RiccatiDirection::compute_value_function(std::size_t t) {
-  require(t == node_, "SolverDDP::computeValueFunction", "computeActionValueFunction of this node is expected first");
+  require(t == node_, "SolverDDP::computeValueFunction", "call computeActionValueFunction for this node first");
   Vx_[t] = Qx_[t];
   if (Qu_[t].size() > 0) {
     Quuk_[t].noalias() = riccati_.Qvv().selfadjointView<Eigen::Lower>() * k_[t];

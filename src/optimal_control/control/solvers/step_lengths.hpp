@@ -16,10 +16,10 @@ inline std::vector<double> default_alphas() {
 
 /// Throws std::invalid_argument unless the step lengths are positive and decreasing.
 inline void check_alphas(const char* where, const std::vector<double>& alphas) {
-  require(!alphas.empty(), where, "there is no step length, one at least is expected");
+  require(!alphas.empty(), where, "there is no step length, at least one step length is expected");
   for (std::size_t i = 0; i < alphas.size(); ++i)
     require(alphas[i] > 0 && (i == 0 || alphas[i] < alphas[i - 1]), where,
-            "step lengths are expected to be positive and to fall");
+            "step lengths are not positive or do not decrease, positive decreasing step lengths are expected");
 }
 
 }  // namespace manycontact::internal

@@ -29,7 +29,7 @@ void print_costs(std::ostream& out, const OptimizedTask& motion) {
   }
   if (table.empty()) return;
   table.print(out);
-  if (motion.costs.size() > kMostCosts) out << "  and " << motion.costs.size() - kMostCosts << " cheaper ones\n";
+  if (motion.costs.size() > kMostCosts) out << "  and " << motion.costs.size() - kMostCosts << " smaller costs\n";
 }
 
 void print_plan_findings(std::ostream& out, const OptimizedTask& motion) {

@@ -13,7 +13,7 @@ constexpr const char* kIntegrators[] = {"euler", "rk2", "rk3", "rk4", "symplecti
 
 void print_constraints(std::ostream& out, const TaskSolution& s) {
   if (s.violations.empty()) return;
-  out << "constraints are missed by " << scientific(s.constraint_violation) << " at most, after "
+  out << "constraints are violated by " << scientific(s.constraint_violation) << " at most, after "
       << count(s.outer_iterations, "outer iteration") << "\n";
   Table table("constraints<40|missed by|at node");
   for (const TaskViolation& v : s.violations)
@@ -23,17 +23,16 @@ void print_constraints(std::ostream& out, const TaskSolution& s) {
 
 void print_simulation(std::ostream& out, const SimulatedMotion& s) {
   out << "in simulation" << (s.stopped == StepStatus::kOk ? "" : ", which stopped early,") << " contacts drift by "
-      << scientific(s.violation_position) << " m or rad at most, and the state is " << number(s.distance)
-      << " from the plan's";
-  if (s.energy_lost > 0) out << "; impacts take " << number(s.energy_lost) << " J";
+      << scientific(s.violation_position) << " m or rad at most, the state deviates by " << number(s.distance)
+      << " from the plan";
+  if (s.energy_lost > 0) out << "; impacts dissipate " << number(s.energy_lost) << " J";
   out << "\n";
 }
 
 void print_times(std::ostream& out, const TaskSolution& s) {
   const TaskTimes& t = s.times;
-  out << "time: " << number(t.total / 1e3) << " ms; of a node in an iteration " << number(t.calc)
-      << " us forward pass, " << number(t.calc_diff) << " us derivatives, " << number(t.direction)
-      << " us backward pass\n";
+  out << "time: " << number(t.total / 1e3) << " ms; per node and iteration " << number(t.calc) << " us forward pass, "
+      << number(t.calc_diff) << " us derivatives, " << number(t.direction) << " us backward pass\n";
 }
 
 }  // namespace
@@ -57,7 +56,7 @@ void print_summary(std::ostream& out, const OptimizedTask& motion) {
     out << "directions: " << s.direction << ", " << count(motion.problem.parts.size(), "part") << ", "
         << count(motion.problem.blocks.size(), "block") << "\n";
   if (!s.iterations.empty() && !s.iterations.back().feasible)
-    out << "the states have gaps: they are not what the torques lead to\n";
+    out << "the states have gaps: the torques do not lead to these states\n";
   print_constraints(out, s);
   print_motion(out, motion);
   print_torques(out, motion);

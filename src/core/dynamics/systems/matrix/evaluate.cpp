@@ -61,8 +61,8 @@ bool joint_space_fits(const IslandWork& d) { return !d.bodies || joint_space_siz
 
 void check_joint_space(const IslandWork& d, const char* function, const char* instead) {
   if (!joint_space_fits(d))
-    throw std::length_error(std::string(function) + ": the blocks of an island with " + std::to_string(d.island.nv) +
-                            " velocities are too many" + instead);
+    throw std::length_error(std::string(function) + ": the matrices of an island with " + std::to_string(d.island.nv) +
+                            " velocities are too large" + instead);
 }
 
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& w, const Island& island) {
