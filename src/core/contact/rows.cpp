@@ -1,5 +1,6 @@
 #include "manycontact/detail/contact/rows.hpp"
 
+#include <limits>
 #include <type_traits>
 
 #include "manycontact/contact/pair_motion.hpp"
@@ -37,15 +38,15 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
 namespace {
 
 // Returns the placement of an attachment's frame in its robot's tree frame (detail/algorithm/kinematics.hpp), on a
-// fixed base relative to the base's origin. In double-double, a step of Newton's method makes rotation R orthogonal:
-// R is a product of rotations rounded to double. J and a0 both contain R^T, so that J^T a0 would otherwise have
-// errors of eps |a0|, where eps is that of double.
+// fixed base relative to the base's origin. If S has more digits than double, a step of Newton's method makes the
+// rotation R orthogonal, which is a product of rotations rounded to double. J and a0 both contain R^T, so that J^T a0
+// would otherwise have errors of eps |a0|, where eps is that of double.
 template <class S>
 SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   SE3<S> M = at.joint >= 0 ? kin.oMi[at.joint]
                            : SE3<S>{scene.robots[at.robot].base.R.template cast<S>(), Vec3<S>::Zero()};
   M = M * at.placement.cast<S>();
-  if constexpr (std::is_same_v<S, DoubleDouble>)
+  if constexpr (std::is_same_v<S, DoubleDouble> || std::numeric_limits<S>::digits > 53)
     M.R = S(0.5) * M.R * (S(3) * Mat3<S>::Identity() - M.R.transpose() * M.R);
   return M;
 }
