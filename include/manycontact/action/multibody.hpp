@@ -12,7 +12,8 @@ class Multibody {  // The robots and frames of a scene.
   /// A frame: robot, joint (-1: the robot's fixed base) and placement on the joint's body.
   struct BodyFrame {
     std::string name;  // "frame" if there is one robot, else "robot/frame"
-    int robot = 0, joint = -1;
+    RobotIndex robot = 0;
+    JointIndex joint = -1;
     SE3<double> placement;
   };
 

@@ -16,7 +16,7 @@ constexpr double kPlacementError = 1e-6;
 
 /// A contact whose frame A is not where the contact requires it relative to its target frame B'.
 struct PlacementError {
-  int contact = 0;
+  ContactIndex contact = 0;
   double position = 0;  // m: |p_A - p_B'| along the constraint rows
   double angle = 0;     // rad: angle between the axes of A and B' (6D), or between the hinge axes (5D); 0 for points
 };
@@ -34,7 +34,7 @@ constexpr double kVelocityError = 1e-6;
 
 /// A contact whose frames move relative to each other: J v is not zero, although the contact is bilateral.
 struct VelocityError {
-  int contact = 0;
+  ContactIndex contact = 0;
   double linear = 0, angular = 0;  // m/s, rad/s: |J v| for its linear and its angular rows
 };
 
@@ -57,7 +57,7 @@ constexpr double kTurningRows = 1e-6;
 /// A 1D or 2D contact whose rows rotate while its point moves across them: rows in local axes on a rotating body A, or
 /// in world axes with a rotating frame B'. With J a + a0 = 0 (`solve`) the row velocity J v is then not constant.
 struct TurningRows {
-  int contact = 0;
+  ContactIndex contact = 0;
   double rate = 0;  // m/s^2: rate of J v in `solve` (J a + a0 = 0) with gains of zero
 };
 
@@ -74,7 +74,7 @@ std::string to_string(ViolationKind kind);
 std::string unit_of(ViolationKind kind);
 
 struct Violation {  // A contact force that a unilateral contact cannot exert, and by how much.
-  int contact = 0;
+  ContactIndex contact = 0;
   ViolationKind kind = ViolationKind::kPulls;
   double by = 0;     // the excess, above 0: N of pull; N of tangential force; m from the centre of pressure to the box;
                      // N m of torque about the normal
@@ -101,7 +101,8 @@ std::vector<Violation> violations(const Scene& scene, const ConstVectorRef& q, c
 Eigen::VectorXd robot_weights(const Scene& scene);
 
 /// Returns normal and tangential component [N] of a contact's linear force at q (scene.nq). f: the contact's rows only.
-Eigen::Vector2d contact_pressure(const Scene& scene, int contact, const ConstVectorRef& q, const Eigen::VectorXd& f);
+Eigen::Vector2d contact_pressure(const Scene& scene, ContactIndex contact, const ConstVectorRef& q,
+                                 const Eigen::VectorXd& f);
 
 /// The quantities that have limits.
 enum class LimitKind { kPosition, kVelocity, kEffort };
@@ -110,7 +111,8 @@ std::string to_string(LimitKind quantity);
 
 /// A coordinate that exceeds a limit of the robot's file.
 struct LimitPassed {
-  int robot = 0, dof = 0;  // dof: index of a velocity coordinate of the robot
+  RobotIndex robot = 0;
+  int dof = 0;  // index of a velocity coordinate of the robot
   LimitKind quantity = LimitKind::kPosition;
   double value = 0, limit = 0;
 };
@@ -122,7 +124,7 @@ std::vector<LimitPassed> limits_passed(const Scene& scene, const ConstVectorRef&
 
 /// The residual of a contact's acceleration equation: |J a + a0 + delta f|, with a0 the bias and delta the damping.
 struct Contradiction {
-  int contact = 0;
+  ContactIndex contact = 0;
   double linear = 0, angular = 0;  // m/s^2, rad/s^2
 };
 

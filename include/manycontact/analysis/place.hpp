@@ -48,10 +48,10 @@ struct Goal {
   std::vector<Attachment> from = {};  // not empty: position is relative to the mean of these frames' origins
   Partial rpy = {};  // kFrame: rotations of its axes about the world's x, then y, then z [rad], as in URDF
   std::optional<Mat3<double>> axes = {};  // kFrame: all axes, in the world; rpy is then unused
-  int robot = -1;                         // kCenterOfMass: -1 for the whole scene; kJoint: the joint's robot
-  int joint = -1;                         // kJoint: a revolute or prismatic joint
+  RobotIndex robot = -1;                  // kCenterOfMass: -1 for the whole scene; kJoint: the joint's robot
+  JointIndex joint = -1;                  // kJoint: a revolute or prismatic joint
   double value = 0;                       // kJoint [rad, m]
-  int contact = -1;                       // kContact: the contact to bring into place
+  ContactIndex contact = -1;              // kContact: the contact to bring into place
 };
 
 /// Return a goal for the complete placement of a frame in the world, or for given components of x, y, z [m] and roll,

@@ -66,6 +66,7 @@ std::vector<std::string> force_names(const Scene& scene, const SceneData& data);
 /// the contact is not active, or before the first solve.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
                                                         const std::string& contact);
-Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data, int contact);
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SceneData& data,
+                                                        ContactIndex contact);
 
 }  // namespace manycontact

@@ -29,7 +29,7 @@ Eigen::VectorXd quasi_static(const Scene& scene, const ConstVectorRef& q, const 
 /// A robot that no torques keep at rest, and the coordinate with the largest residual of the quasi_static equation,
 /// relative to the loads by gravity and applied forces on the coordinate.
 struct Unbalanced {
-  int robot = 0;
+  RobotIndex robot = 0;
   int dof = -1;          // one of that robot's velocity coordinates
   double force = 0;      // size of the residual at this coordinate [N; N m if angular]
   bool angular = false;  // whether the coordinate is an angle

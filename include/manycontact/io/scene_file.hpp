@@ -40,7 +40,7 @@ struct ScenePose {
 
 /// A contact whose target frame B' is missing in the file, at least in part. The missing part is computed from q.
 struct OpenReference {
-  int contact = 0;
+  ContactIndex contact = 0;
   bool position = false, orientation = false;  // whether this part is missing
 };
 

@@ -7,6 +7,10 @@
 
 namespace manycontact {
 
+using JointIndex = int;    // number of a joint in its model
+using RobotIndex = int;    // number of a robot in its scene
+using ContactIndex = int;  // number of a contact in its scene
+
 /// Joint types.
 enum class JointType {
   kRevolute,   // q: angle [rad], about `axis`; also used for continuous joints
@@ -29,7 +33,7 @@ constexpr double kZeroDirection = 1e-9;
 struct Joint {
   std::string name;
   JointType type = JointType::kRevolute;
-  int parent = -1;  // number of the parent joint; -1: the robot's base
+  JointIndex parent = -1;  // number of the parent joint; -1: the robot's base
   int idx_q = 0, idx_v = 0;
   SE3<double> placement;                      // placement of the joint frame in the parent joint's frame
   Vec3<double> axis = Vec3<double>::UnitZ();  // unit vector in the joint frame (revolute, prismatic)

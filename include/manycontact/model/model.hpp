@@ -13,7 +13,7 @@ namespace manycontact {
 /// A named frame fixed to a joint's body: a link of the file, or a link merged into that body through fixed joints.
 struct Frame {
   std::string name;
-  int joint = -1;            // -1: fixed to the robot's base
+  JointIndex joint = -1;     // -1: fixed to the robot's base
   SE3<double> placement;     // placement in the joint's frame (in the base frame when joint = -1)
   bool merged = false;       // whether the link is attached to its joint's body by fixed or locked joints
   Inertia<double> inertia;   // inertia of this link alone, in this frame; the joint's inertia already contains it
@@ -72,7 +72,7 @@ struct Model {  // A robot's joints, frames and inertias.
   /// Returns the index of the frame with the given name, or -1.
   int find_frame(const std::string& frame_name) const;
   /// Returns the index of the joint with the given name, or -1.
-  int find_joint(const std::string& joint_name) const;
+  JointIndex find_joint(const std::string& joint_name) const;
   /// Returns the index of a joint's first torque in the robot's u, or -1 if the joint has no torque.
   int torque_index(const Joint& joint) const;
   /// Returns the total mass [kg].

@@ -47,7 +47,8 @@ class RigidBodies {  // all robots of a scene, one of its robots, or a model alo
 
 /// A joint of a robot.
 struct BodyJoint {
-  int robot = 0, joint = 0;  // numbers of the robot in the scene (0: a model alone), and of the joint
+  RobotIndex robot = 0;  // 0: a model alone
+  JointIndex joint = 0;
 };
 
 /// Finds a frame by name: "r0/left_sole", or "left_sole" if there is only one robot. A frame is a link, or the child

@@ -57,8 +57,8 @@ inline std::string to_string(ContactType t) { return std::to_string(contact_rows
 
 /// A frame on a joint's body or in the world, to which contacts, external wrenches and springs are attached.
 struct Attachment {
-  int robot = -1;          // number of the robot in the scene; -1: the world
-  int joint = -1;          // number of the joint in the robot's model; -1: the fixed base
+  RobotIndex robot = -1;   // number of the robot in the scene; -1: the world
+  JointIndex joint = -1;   // number of the joint in the robot's model; -1: the fixed base
   SE3<double> placement;   // placement of the frame on that body
   std::string frame = {};  // the robot's frame to which `placement` adds an offset, if any; empty if unknown
 };
@@ -117,7 +117,8 @@ struct Spring {
 
 /// A spring in a joint with one coordinate q; its torque is -stiffness (q - rest). Model::damping adds joint damping.
 struct JointSpring {
-  int robot = -1, joint = -1;
+  RobotIndex robot = -1;
+  JointIndex joint = -1;
   double stiffness = 0;  // N m / rad or N / m
   double rest = 0;       // rad or m
 };

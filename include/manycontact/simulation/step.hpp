@@ -163,7 +163,8 @@ struct SimulationData {  // A simulation: state, step size, integrator, and the 
 /// contact, std::logic_error for a contact that was not active, and before the first step.
 Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
                                                         const std::string& contact);
-Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data, int contact);
+Eigen::VectorBlock<const Eigen::VectorXd> contact_force(const Scene& scene, const SimulationData& data,
+                                                        ContactIndex contact);
 
 /// Describes why a step was not kOk: "the solver failed: singular inertia", "r0/knee moves at 3e+05".
 std::string failure(const Scene& scene, const SimulationData& data, StepStatus status);

@@ -17,7 +17,7 @@ class CentroidalResidual : public NamedResidual {
  protected:
   /// Throws std::invalid_argument for a robot that does not exist, or robots without mass.
   CentroidalResidual(const char* name, std::shared_ptr<StateMultibody> state, std::size_t nr, std::size_t nu,
-                     Dependence on, int robot);
+                     Dependence on, RobotIndex robot);
   int robot_;
   int first_, last_;  // numbers of the robots: first to last - 1
   double mass_;       // total mass of robots first_ to last_ - 1 [kg]
@@ -28,7 +28,7 @@ class ResidualModelCoMPosition : public ResidualWithReference<CentroidalResidual
  public:
   /// robot: number of the robot; -1: the whole scene.
   ResidualModelCoMPosition(std::shared_ptr<StateMultibody> state, const Eigen::Vector3d& cref,
-                           std::size_t nu = kDefaultNu, int robot = -1)
+                           std::size_t nu = kDefaultNu, RobotIndex robot = -1)
       : ResidualWithReference(cref, "ResidualModelCoMPosition", std::move(state), 3u, nu, Dependence{.q = true},
                               robot) {}
   void print(std::ostream& os) const override { os << name_ << " {cref=" << reference_.transpose() << "}"; }
@@ -43,7 +43,7 @@ class ResidualModelCentroidalMomentum : public ResidualWithReference<CentroidalR
  public:
   /// robot: number of the robot; -1: the whole scene.
   ResidualModelCentroidalMomentum(std::shared_ptr<StateMultibody> state, const Vec6<double>& href,
-                                  std::size_t nu = kDefaultNu, int robot = -1)
+                                  std::size_t nu = kDefaultNu, RobotIndex robot = -1)
       : ResidualWithReference(href, "ResidualModelCentroidalMomentum", std::move(state), 6u, nu,
                               Dependence{.q = true, .v = true}, robot) {}
   void print(std::ostream& os) const override { os << name_ << " {href=" << reference_.transpose() << "}"; }
