@@ -28,7 +28,8 @@ struct BoundedEnergy {
   struct Stretched {
     Eigen::VectorXd all, fast;
   } at_start, at_end;  // energies of all springs, and of springs faster than the step
-  // share: factor of the motion relative to the rigid motion; rigid_v: velocity of the rigid motion (nv)
+  // share: factor by which a cluster's velocities relative to its rigid motion are scaled; rigid_v: velocities of the
+  // clusters' rigid motions (nv)
   Eigen::VectorXd share, rigid_v;
 
   std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world

@@ -78,8 +78,8 @@ struct ContactData {
   std::optional<PairNumbers<S>> pair;  // set by take_places, if it represents several contacts
   std::vector<SE3<S>> pair_B;          // one entry per contact of the pair: placement of its B' in the pair's B'
   /// Pairs only, in three parts. First the part of each contact's own a0 that the reduced rows do not contain, one
-  /// number per row, in order. Then the largest terms of each number. Then the bodies' deviations from a common motion,
-  /// and from their reference placement, relative to the velocities and lengths.
+  /// number per row, in order. Then one number, the largest term of the a0 of all rows. Then one number, the larger of
+  /// the bodies' deviations from a common motion and from their reference placement, relative to velocities or lengths.
   VecX<S> left;
 };
 

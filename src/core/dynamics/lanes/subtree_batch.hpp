@@ -137,7 +137,8 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns the elements where every row of J exceeds its rounding errors, which pivots do not reveal.
+/// Writes J into K. Returns the SIMD elements in which every row of J has an entry that certainly exceeds its rounding
+/// errors (kPlainlyMoves). Pivots do not reveal rows of mere rounding errors.
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();

@@ -84,8 +84,8 @@ bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, R
   return found;
 }
 
-// Adds the sets of contacts that are active now. A new set is added to every group of equally many contacts, as copies
-// of a robot are likely to activate the same set later. Returns whether there are new pairs.
+// Adds to each group the set of its contacts that are active now. A new set is also added to all other groups with as
+// many contacts, because copies of a robot are likely to activate it later. Returns whether there are new pairs.
 bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
   bool found = false;
   for (std::size_t g = 0; g < r.groups.size(); ++g) {

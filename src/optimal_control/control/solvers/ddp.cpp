@@ -189,7 +189,7 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
     if (was_feasible_ && stop_ < th_stop_ * scale_) {
       if (std::isfinite(th_kkt_)) {
         const StopReason polished = polish(maxiter);
-        // Polishing with the box rule may cycle between limits, so that `descend` continues.
+        // With limits, `polish` may cycle between them until maxiter. kNoStep makes `solve` continue with `descend`.
         return keeps_limits() && polished == StopReason::kIterations ? StopReason::kNoStep : polished;
       }
       if (keeps_limits() || stopsUnregularised()) return StopReason::kConverged;

@@ -168,8 +168,8 @@ void RobotBlock<S>::report(const Job& job, Robots robots, std::span<Answer> answ
   }
 }
 
-/// Whether the terms of damped contact rows are at most kInDoubt delta |f|, so that their rounding errors are small.
-/// |f| counts as at least kLeastLoad times the loads.
+/// Whether the terms of damped contact rows are at most kInDoubt delta |f|, so that their rounding errors change f by
+/// at most 1 %. |f| counts as at least kLeastLoad times the largest term of the equations of motion.
 template <class S>
 typename S::Mask RobotBlock<S>::plainly_damped(double damping) const {
   if (!(damping > 0)) return all();

@@ -50,7 +50,8 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // One entry per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j e_j|; sum_j (n_j e_j)^2. The error of J_jc is t e_j.
+  // One entry per coordinate c, in this order: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. Here e_j is
+  // the error of J_jc relative to t (error_of_entry).
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };

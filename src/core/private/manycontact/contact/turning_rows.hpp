@@ -1,13 +1,13 @@
 #pragma once
 // Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, rows select components of A's acceleration relative to
-// B' (detail/contact/rows.hpp), which is the rate of velocity along axes fixed in B'. Let w be the angular velocity of
-// the rows' axes relative to B': nu_ang if they are A's axes, minus the angular velocity of B' if they are the world's.
-// The rate of J v is
+// B', which is the rate of velocity along axes fixed in B'. In A's axes, nu is the velocity of A relative to B', and W
+// selects the rows (detail/contact/rows.hpp). Let w be the angular velocity of the rows' axes relative to B': nu_ang if
+// they are A's axes, minus the angular velocity of B' if they are the world's. The rate of J v is
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
-// Rows of other contacts leave no component of nu_lin free, so that both rates impose the same constraint. For 1D and
-// 2D only the component of nu_lin orthogonal to the rows' axes matters; the others vanish if the contact is satisfied.
+// For other contacts nu_lin vanishes if the contact is satisfied, and the term with w vanishes, too. For 1D and 2D only
+// the component of nu_lin orthogonal to the rows' axes matters; the others vanish if the contact is satisfied.
 
 #include "manycontact/detail/contact/rows.hpp"
 
