@@ -120,6 +120,24 @@ TEST_F(View, ASceneIsOnePageThatLoadsNothing) {
   expect_forces(file.scene, file.q, file.v, file.u, std::vector<char>(8, 1), page, 0);
 }
 
+// Without a browser, a name that the script reads and the page does not have would not be noticed.
+TEST_F(View, TheScriptReadsNamesThatThePageHas) {
+  const ViewPage page = view(model("two_humanoids_carry_beam.xml"));
+  const auto expect_names = [&page](const char* pattern, const nlohmann::json& known) {
+    const std::regex names(pattern), word("\\w+");
+    std::size_t count = 0;
+    for (std::sregex_iterator at(page.own.begin(), page.own.end(), names), end; at != end; ++at) {
+      const std::string list = (*at)[1];
+      for (std::sregex_iterator name(list.begin(), list.end(), word); name != end; ++name, ++count)
+        EXPECT_TRUE(known.contains(name->str())) << at->str();
+    }
+    EXPECT_GT(count, 4u) << pattern;
+  };
+  expect_names("\\bdata\\.(\\w+)", page.scene);
+  expect_names("\\bframes\\.(\\w+)", page.scene["frames"]);
+  expect_names("const \\{([^}]*)\\}[^;{}]* = this\\.data\\.frames\\b", page.scene["frames"]);
+}
+
 TEST_F(View, EveryModel) {
   for (const std::string& path_of_scene : model_scenes()) {
     const ViewPage page = view(path_of_scene);

@@ -77,6 +77,7 @@ TEST_F(Visuals, MeshesAreFound) {
   const std::string urdf = write("share/pkg/urdf/r.urdf", "");
   const std::string mesh = write("share/pkg/meshes/m.stl", ""), beside = write("share/pkg/urdf/n.obj", "");
   EXPECT_EQ(find_mesh(urdf, "package://pkg/meshes/m.stl"), mesh);
+  EXPECT_EQ(find_mesh(urdf, "package:///pkg/meshes/m.stl"), mesh);
   EXPECT_EQ(find_mesh(urdf, "package://pkg/meshes/none.stl"), "");
   EXPECT_EQ(find_mesh(urdf, "package://other/meshes/m.stl"), "");
   EXPECT_EQ(find_mesh(urdf, "n.obj"), beside);

@@ -40,7 +40,7 @@ std::string find_mesh(const std::string& urdf, const std::string& name) {
   if (name.starts_with(file)) path = name.substr(file.size());
   if (!name.starts_with(package)) return is_file(path) ? path.string() : "";
 
-  const fs::path inside = name.substr(package.size());
+  const fs::path inside = fs::path(name.substr(package.size())).relative_path();  // some files have package:///
   const fs::path rest = inside.lexically_relative(*inside.begin());
   for (const fs::path& folder : package_folders(urdf)) {
     if (is_file(folder / inside)) return (folder / inside).string();

@@ -5,7 +5,7 @@
 
 const kActive = 1, kRedundant = 2, kShared = 4;
 const kApart = 0.05;  // least length of a drawn line, relative to a robot's size
-const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a, kPushColour = 0x1971c2, kSpringColour = 0x0b7285;
+const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a, kWrenchColour = 0x1971c2, kSpringColour = 0x0b7285;
 
 class Contacts {
   constructor(data, size, world) {
@@ -32,7 +32,7 @@ class Contacts {
       world.add(parts.group);
       return parts;
     });
-    this.pushes = Array.from({length: data.pushes}, () => {
+    this.wrenches = Array.from({length: data.wrenches}, () => {
       const arrow = this.arrow(shaft, head);
       world.add(arrow.group);
       return arrow;
@@ -61,13 +61,13 @@ class Contacts {
 
   // Returns the force [N] of an arrow of one metre, chosen such that large forces are about a third of a robot's size.
   forceOfMetre() {
-    const {forces, pushes} = this.data.frames, sizes = [];
+    const {forces, wrenches} = this.data.frames, sizes = [];
     const add = (list, i) => {
       const f = Math.hypot(list[i], list[i + 1], list[i + 2]);
       if (f > 0) sizes.push(f);
     };
     for (let i = 0; i < forces.length; i += 3) add(forces, i);
-    for (let i = 3; i < pushes.length; i += 6) add(pushes, i);
+    for (let i = 3; i < wrenches.length; i += 6) add(wrenches, i);
     if (sizes.length === 0) return 1000;
     const large = sizes.sort((a, b) => a - b)[Math.floor(0.95 * (sizes.length - 1))];
     return roundUp(large / (0.35 * this.size));
@@ -105,10 +105,10 @@ class Contacts {
   outside() { return this.list.filter((parts) => parts.outside).map((parts) => parts.contact.name); }
 
   placeForces(at, scale) {
-    const {pushes, springs} = this.data.frames, force = new THREE.Vector3(), end = new THREE.Vector3();
-    this.pushes.forEach((arrow, k) => {
-      vectorAt(pushes, 2 * k, 2 * this.pushes.length, at, arrow.group.position);
-      this.placeArrow(arrow, vectorAt(pushes, 2 * k + 1, 2 * this.pushes.length, at, force), scale, kPushColour);
+    const {wrenches, springs} = this.data.frames, force = new THREE.Vector3(), end = new THREE.Vector3();
+    this.wrenches.forEach((arrow, k) => {
+      vectorAt(wrenches, 2 * k, 2 * this.wrenches.length, at, arrow.group.position);
+      this.placeArrow(arrow, vectorAt(wrenches, 2 * k + 1, 2 * this.wrenches.length, at, force), scale, kWrenchColour);
     });
     this.springs.forEach((line, k) => {
       const from = vectorAt(springs, 2 * k, 2 * this.springs.length, at, force);

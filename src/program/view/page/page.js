@@ -165,8 +165,8 @@ class Page {
       {name: 'potential', colour: '#1c7ed6', values: potential},
     ], false, seek));
     this.plots.push(new Plot(element('drift'), 'constraint violation', this.times, [
-      {name: 'position [m, rad]', colour: '#7048e8', values: frames.position_drift},
-      {name: 'velocity [per s]', colour: '#2b8a3e', values: frames.velocity_drift},
+      {name: 'position [m, rad]', colour: '#7048e8', values: frames.violation_position},
+      {name: 'velocity [per s]', colour: '#2b8a3e', values: frames.violation_velocity},
     ], true, seek));
   }
 
