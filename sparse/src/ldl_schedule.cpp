@@ -29,8 +29,7 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     if (!set[slot]) out.fill.push_back(slot);
 }
 
-// Adds the group of rows first+c ... first+c+high-1 of x, in a block of `width` columns.
-void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
+void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {  // rows first+c ...
   LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
                            static_cast<int>(out.packed.size())};
   const int below = s.Lp[first + width] - s.Lp[first + width - 1];
@@ -61,8 +60,7 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets (LdlSchedule::Target) in block T of rows begin, begin + 1, ... below another block. Rows below that
-// block are T's own columns or rows below T.
+// Finds the targets in block T of rows begin, begin + 1, ... below another block: T's columns, or rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();
