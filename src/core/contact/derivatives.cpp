@@ -16,7 +16,6 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
-// Computes columns of dx_dq and dx_dv from s = s_i. s_i, P1, P2, P3 are defined in detail/contact/derivatives.hpp.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;
@@ -70,8 +69,7 @@ struct Column {
   }
 
  private:
-  // Returns the derivative of nu_ang x nu_lin + beta nu_lin along dnu.
-  V3 point_terms(const V6& dnu) const {
+  V3 point_terms(const V6& dnu) const {  // derivative of nu_ang x nu_lin + beta nu_lin
     return dnu.template tail<3>().cross(lin) + ang.cross(dnu.template head<3>()) + beta * dnu.template head<3>();
   }
 };

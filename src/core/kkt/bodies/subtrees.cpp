@@ -11,8 +11,7 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Flags bodies at which trees can be cut: six rows constrain the body, and no other row couples the subtree below it
-// with a body outside.
+// Flags bodies at which trees can be cut: six rows constrain them, and no other row couples their subtree to others.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);
@@ -59,9 +58,8 @@ NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, 
   return at;
 }
 
-// Calls use(row) for the rows of contact number `contact` of the island.
 template <class Use>
-void each_row(const Island& island, std::size_t contact, Use&& use) {
+void each_row(const Island& island, std::size_t contact, Use&& use) {  // `contact`: its number in the island
   const int end = contact + 1 < island.contacts.size() ? island.row_offset[contact + 1] : island.nc;
   for (int row = island.row_offset[contact]; row < end; ++row) use(row);
 }
