@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Computes the kinematics of one robot at a time, at q (scene.nq) and v (scene.nv; nullptr: at rest). Memory is reused
-/// for robots with the same model.
+/// Computes one robot's kinematics at a time, at q (nq), v (nv; nullptr: at rest), in one memory if models are equal.
 class MotionOf {
  public:
   MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)
@@ -57,10 +56,9 @@ void each_contact_at(const Scene& scene, const std::vector<char>& active, const 
   }
 }
 
-/// Calls look(c, rows) for each contact c flagged `active`, with the contact's rows at q, v, but without J.
 template <class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                     const double* v, Look&& look) {
+                     const double* v, Look&& look) {  // calls look(c, rows), without J
   each_contact_at(
       scene, active, q, v, [](const Contact&) { return ContactSupport(); },
       [&](int c, const ContactSupport&, const ContactData<double>& rows) { look(c, rows); });

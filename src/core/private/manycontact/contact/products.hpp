@@ -1,15 +1,13 @@
 #pragma once
-// Products with the derivatives of one contact's rows (detail/contact/rows.hpp), without matrices, in forward and in
-// reverse mode.
+// Products with derivatives of one contact's rows (detail/contact/rows.hpp), in forward and reverse mode.
 
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/detail/contact/rows.hpp"
 
 namespace manycontact {
 
-/// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world). dr2 is
-/// the change of W x, which includes the rotation of W. dF is the change of the force on A in A's axes, which includes
-/// the force's rotation. rows: the contact's data at the accelerations of the solution. f: the contact's force.
+/// Computes changes along variations a, b of A's and B's bodies (tree frames; b zero for the world): dr2 of W x, dF of
+/// the force on A in A's axes, both with the rotation of the axes. rows: at the solution; f: the contact's force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);
@@ -20,8 +18,7 @@ template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
-/// Calls add(attachment, force), with the force in the body's tree frame, for those of A and B that move. F acts on A
-/// and is in A's axes; -F acts on B'.
+/// Calls add(attachment, force in its tree frame) for A and B if they move. F acts on A, in A's axes; -F on B'.
 template <class S, class Add>
 void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
   if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));
