@@ -65,8 +65,7 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// Whether the factor of A = N^T M N is sound. A pivot must exceed the rounding errors of the terms |N|^T |M| |N|, which
-// may be much larger than A, and the effect of N's own rounding errors.
+// Whether A = N^T M N has a sound factor: pivots exceed rounding errors of |N|^T |M| |N|, and the effect of N's errors.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
@@ -150,8 +149,7 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // After a change of rank, N and reduced are constructed again: if memory runs out, Eigen's resize leaves a freed
-  // array.
+  // N and reduced are constructed again, as a failing resize of Eigen leaves a freed array.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));
