@@ -29,7 +29,8 @@ void place_entries(const UpperCsc& A, const LdlSymbolic& s, LdlSchedule& out) {
     if (!set[slot]) out.fill.push_back(slot);
 }
 
-void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {  // rows first+c ...
+// Adds the group of rows first+c ... first+c+high-1 of x, in a block of `width` columns.
+void add_group(const LdlSymbolic& s, int first, int width, int c, int high, LdlSchedule& out) {
   LdlSchedule::Group group{first + c, high, static_cast<int>(out.segments.size()), 0,
                            static_cast<int>(out.packed.size())};
   const int below = s.Lp[first + width] - s.Lp[first + width - 1];

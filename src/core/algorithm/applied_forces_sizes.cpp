@@ -26,8 +26,8 @@ struct Size {
 };
 
 struct OfBody {
-  Size moved, velocity;  // moved: largest motion by one coordinate; velocity: sum over coordinates
-  double lever = 0;      // largest distance from the tree frame's origin to a joint between the body and the base
+  Size moved, velocity;    // moved: largest motion by one coordinate; velocity: sum over coordinates
+  double lever = 0;        // largest distance from the tree frame's origin to a joint between the body and the base
   Size force, by_q, by_v;  // forces on the body's subtree; derivatives with respect to one coordinate
 };
 

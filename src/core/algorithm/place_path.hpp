@@ -19,7 +19,7 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   }
 }
 
-/// Returns the axis of a revolute or prismatic joint. R: axes of the joint frame or, equivalently, of the child frame.
+/// Returns the axis of a revolute or prismatic joint from the axes R of its joint frame or, equally, its child frame.
 template <class S>
 inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   if (joint.axis_kind < 3) return R.col(joint.axis_kind);

@@ -41,7 +41,7 @@ struct RigidBodyMemory {
   AccelerationDerivatives acceleration;
 };
 
-/// Returns the memory of the data. Throws std::invalid_argument if it is for other robots.
+/// Returns the memory of the data. Throws std::invalid_argument if the data were made for other robots.
 inline RigidBodyMemory& memory_of(const char* function, const RigidBodies& bodies, const RigidBodyData& data) {
   const std::span<const Robot> robots = bodies.robots();
   bool fits = data.memory && data.memory->robots.size() == robots.size();
@@ -73,7 +73,7 @@ void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   }
 }
 
-void move(const RigidBodies& bodies, RigidBodyMemory& m);  // kin.v and kin.a, unless computed
-void compose(const RigidBodies& bodies, RigidBodyMemory& m);  // Yc and M, unless computed
+void move(const RigidBodies& bodies, RigidBodyMemory& m);     // computes kin.v and kin.a, unless done
+void compose(const RigidBodies& bodies, RigidBodyMemory& m);  // computes Yc and M, unless done
 
 }  // namespace manycontact::internal

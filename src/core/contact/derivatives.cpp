@@ -16,6 +16,7 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
+// Computes columns of dx_dq and dx_dv from s = s_i. s_i, P1, P2, P3 are defined in detail/contact/derivatives.hpp.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;

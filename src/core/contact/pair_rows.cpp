@@ -65,7 +65,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
+int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {  // -1: doubtful
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
   for (Eigen::Index k = 0; k < std::min(qr.rows(), qr.cols()); ++k) {
@@ -78,7 +78,8 @@ int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
   return rank;
 }
 
-std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {  // each independent of the rows before
+// Flags the first `rank` rows of B that are each independent of the rows before.
+std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   const double independent = std::sqrt(tolerance::kPairIndependent * tolerance::kPairDependent);
   std::vector<char> out(static_cast<std::size_t>(B.rows()), 0);
   Eigen::Matrix<double, Eigen::Dynamic, 6> basis(rank, 6);
@@ -94,8 +95,8 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {  // ea
   return out;
 }
 
-// Returns an orthogonal T such that the flagged rows of Q T are lower triangular with a positive diagonal. With Q T for
-// Q, a row of R depends on rows before it exactly if the flagged row of B does.
+// Returns an orthogonal T such that the flagged rows of Q T are lower triangular with a positive diagonal. With Q T in
+// place of Q, a row of R depends on rows before it exactly if the flagged row of B does.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // the flagged rows of Q, as columns
   Eigen::Index k = 0;

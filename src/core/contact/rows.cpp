@@ -39,7 +39,7 @@ namespace {
 
 // Returns an attachment's placement in its tree frame, or relative to the origin of its fixed base. If S has more
 // digits than double, a step of Newton's method makes R orthogonal: R is a product of rotations rounded to double, and
-// J^T a0, with R^T in both, would have errors of eps |a0| with the eps of double.
+// J^T a0, with R^T in both J and a0, would have errors of eps |a0| with the eps of double.
 template <class S>
 SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   SE3<S> M = at.joint >= 0 ? kin.oMi[at.joint]

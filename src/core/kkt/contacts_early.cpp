@@ -123,8 +123,8 @@ bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.
 
 // Returns the order of all rows of K, given that of the robots. A contact enters it when eliminated coordinates that no
 // other contact has used up move it in as many directions as it has rows, by at least `distinct` in all configurations;
-// it uses up those that move it best. A contact that closes a loop enters after its last coordinate, as independent
-// rows then have sound pivots in every configuration. J: unit rows per configuration and contact.
+// it then uses up those that move it best. A contact that closes a loop enters after its last coordinate, as
+// independent rows then have sound pivots in every configuration. J: unit rows per configuration and contact.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {

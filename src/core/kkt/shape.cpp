@@ -131,7 +131,8 @@ void add_structure(const Scene& scene, const Island& island, Words& key) {  // t
   }
 }
 
-// Adds what else the order contacts-early depends on: models, and IslandShape's placements and axes.
+// Adds to the key all other numbers on which the order contacts-early depends: models, and the placements and axes of
+// contacts that IslandShape keeps.
 void add_places(const Scene& scene, const Island& island, Words& key) {
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model.get()));
   const auto add = [&key](const auto& numbers) {

@@ -46,7 +46,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// Sets a cluster's basis B to [Z^T; 1], one column per kept row: the complement of its columns [1; -Z] of N.
+// Sets a cluster's B to [Z^T; 1], one column per kept row: the orthogonal complement of its columns [1; -Z] of N.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // numbers of entries of kept rows' columns, then positions of the next entries

@@ -37,8 +37,8 @@ class Cholmod {
 
   /// Factorizes the matrix with entries Ax, in the order of the pattern's entries. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
-  void solve(double* X, int cols);
-  void pivots(double* D) const;  // n pivots, in the order of elimination
+  void solve(double* X, int cols);  // X <- A^-1 X; X: n x cols, column-major
+  void pivots(double* D) const;     // n pivots, in the order of elimination
   /// Computes terms[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude of the terms of pivot k, for all n pivots.
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;

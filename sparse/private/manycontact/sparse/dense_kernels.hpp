@@ -33,6 +33,6 @@ struct DenseKernels {
                      double* scale_t);
 };
 
-const DenseKernels& dense_kernels();
+const DenseKernels& dense_kernels();  // the widest level that the processor supports
 
 }  // namespace manycontact::sparse

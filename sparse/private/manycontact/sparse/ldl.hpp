@@ -8,7 +8,7 @@
 
 namespace manycontact::sparse {
 
-struct LdlSymbolic {
+struct LdlSymbolic {  // symbolic analysis of a pattern; constant
   int n = 0;
   std::vector<int> parent;      // elimination tree: parent of each column, -1 for a root
   std::vector<int> Lp, Li;      // L without its unit diagonal, by columns: Lp column starts, Li rows, ascending
@@ -30,7 +30,7 @@ struct LdlWorkspace {
 LdlSymbolic ldl_analyze(const UpperCsc& A);
 void list_rows(LdlSymbolic& L);  // computes Rp, Rj, Rk from Lp and Li
 
-struct LdlCounts {
+struct LdlCounts {  // size of the factor that ldl_analyze would find; nonzeros, flops: see LdlSymbolic
   double nonzeros = 0, flops = 0;
   // blocks: the number of relaxed supernodes (sparse/relaxed_supernodes.hpp), which are blocks of columns.
   // scattered: the sum over blocks of (rows below)^2, about the number of entries of other columns that blocks update.
@@ -45,12 +45,12 @@ LdlCounts ldl_count(const UpperCsc& A);
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
-/// Factorizes row by row, without SuiteSparse, and sets scale (n) to pivot_terms. A row k with a pivot of at most
-/// least[k] scale[k] is not eliminated (its column of L is zero). A zero or NaN pivot does not end the factorization.
+/// Factorizes row by row, without SuiteSparse, and sets scale (n) as pivot_terms does. A row k with a pivot of at most
+/// least[k] scale[k] is not eliminated (its column of L is zero). Zero or NaN pivots do not end it: check D and scale.
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* least,
                         LdlWorkspace& work, double* Lx, double* D, double* scale);
 
-void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
+void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);  // x <- A^-1 x
 
 /// X <- A^-1 X for columns first ... first+cols-1 of a row-major panel with row stride ld. Row k of A is row row[k] of
 /// X, or row k if row is nullptr. nonzero: n flags in A's order, set for rows of X that are nonzero in these columns;

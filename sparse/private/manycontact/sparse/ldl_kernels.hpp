@@ -231,7 +231,7 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-struct NoSizes {};  // Scale without computation of sizes
+struct NoSizes {};  // ldl_scheduled_residual then computes no scale
 /// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j| unless Scale is NoSizes. All have length A.n.
 template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},

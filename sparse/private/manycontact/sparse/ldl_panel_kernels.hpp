@@ -127,7 +127,7 @@ inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* pac
 }  // namespace kernel
 
 template <class V>
-void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
+void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {  // the order of LdlSchedule::packed
   const int* slot = schedule.packed.data();
   const int count = static_cast<int>(schedule.packed.size());
   for (int k = 0; k < count; ++k) packed[k] = slot[k] < 0 ? V{} : Lx[slot[k]];

@@ -5,7 +5,8 @@
 
 namespace manycontact::sparse {
 
-/// Returns CAMD's order: entry k is the k-th row. Rows with a smaller set[row] come first; set: 0 ... n-1, or empty.
+/// Returns SuiteSparse CAMD's constrained approximate minimum degree order: entry k is the row eliminated k-th. Rows
+/// with a smaller set[row] come before rows with a larger one. set: n values in 0 ... n-1, or empty for no constraint.
 std::vector<int> camd_order(const UpperCsc& A, const std::vector<int>& set);
 
 std::vector<int> inverse(const std::vector<int>& perm);  // iperm, with iperm[perm[k]] = k

@@ -1,6 +1,7 @@
 #pragma once
-// Kernels on sparse factors and on row-major panels of doubles. They are compiled for several SIMD levels, and one
-// level is chosen at run time. Results of different levels agree up to rounding errors.
+// Kernels on sparse factors and on row-major panels of doubles with row stride ld, compiled for several SIMD levels,
+// one of which is chosen at run time. Results of different levels agree up to rounding errors. In functions from
+// upper_product on, ld is a multiple of eight, at least cols.
 
 #include <cstddef>
 #include <span>
@@ -40,7 +41,8 @@ struct PanelKernels {
   /// the caches, as H is larger than these. H must then start at a cache line, and ld be a multiple of eight.
   void (*product_of_rows)(const double* L, int ldl, const double* R, const int* from, int depth, double* H,
                           const int* to, int rows, int cols, int ld, bool non_temporal);
-  /// X <- L^-1 X or L^-T X in `cols` columns of X (n x ld), for a Cholesky factor L whose column j is at L + j ldl.
+  /// X <- L^-1 X (lower_solve) or L^-T X (upper_solve), for the n x n Cholesky factor L, whose column j starts at L + j
+  /// ldl. X is n x ld; its first `cols` columns are used, with ld >= cols a multiple of eight.
   void (*lower_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
   void (*upper_solve)(const double* L, int ldl, int n, double* X, int cols, int ld);
 
@@ -50,7 +52,7 @@ struct PanelKernels {
   }
 };
 
-const PanelKernels& panel_kernels();
+const PanelKernels& panel_kernels();                  // the widest level that the processor supports
 std::span<const PanelKernels* const> panel_levels();  // all levels the processor supports, the widest first
 
 }  // namespace manycontact::sparse

@@ -200,11 +200,11 @@ template <>
 inline constexpr int kRows<double> = 8;
 
 template <int N>
-struct Size {
+struct Size {  // a number as a type
   static constexpr int value = N;
 };
 template <int N, class F>
-inline void in_chunks(int begin, int end, F&& f) {  // n = N, N/2, ..., 1
+inline void in_chunks(int begin, int end, F&& f) {  // calls f(first, Size<n>) for n = N, N/2, ..., 1
   for (; end - begin >= N; begin += N) f(begin, Size<N>{});
   if constexpr (N > 1) in_chunks<N / 2>(begin, end, f);
 }

@@ -51,7 +51,7 @@ inline constexpr double kHeldKept = 1e-2;
 /// (points 1e-6 m apart, or 1e6 m from others) the rows are kept, and the factorization of K finds the rank.
 inline constexpr double kPairIndependent = 1e-5, kPairDependent = 1e-13;
 
-/// Largest relative velocity or displacement of two bodies that move as one, relative to its terms.
+/// Largest relative velocity or displacement of two bodies that move as one, relative to the terms of the difference.
 inline constexpr double kMovesAsOne = 1e-13;
 
 // ---- dependent rows -------------------------------------------------------------------------------------------
@@ -63,20 +63,22 @@ inline constexpr double kRowLeft = 1e-13;
 /// Largest coefficient z_j for which N is not orthonormalised: its projector's error z_j^2 eps is 2e-13 then.
 inline constexpr double kLargestEntry = 30;
 
-/// Rows are exchanged until no z_j exceeds this. Each exchange enlarges the determinant of N's dropped rows by more.
+/// Dropped rows are exchanged with kept rows until no coefficient z_j is larger than this. Each exchange multiplies the
+/// determinant of the dropped rows of N by more than this factor, so that the exchanges end.
 inline constexpr double kExchanged = 2;
 
 /// Coefficients z_j below this are rounding errors; the coefficient of the dropped row itself is 1.
 inline constexpr double kNullEntry = 1e-15;
 
-/// A column n of N is refined while |J^T n| exceeds kNullColumn of J's entries; kRowLeft is the limit for acceptance.
+/// A column n of the null space basis N is refined while |J^T n| exceeds this fraction of J's entries, at most
+/// kNullColumnSteps times. It is accepted up to the fraction kRowLeft, which is ten times as large.
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
 /// Replaces the diagonal entry of a dropped row, so that the pattern remains: squared entries divided by it vanish.
 inline constexpr double kDroppedDamping = 1e200;
 
-/// Largest number of waiting rows of one robot in a SIMD batch. Each adds a dense column to N.
+/// Largest number of waiting rows (kWaits) of one robot in a SIMD batch. Each adds a dense column to N.
 inline constexpr std::size_t kMostWaitingInBatch = 64;
 
 /// Least number of coordinates of an island in which sparse-bodies drops rows; below it a factor of K takes no longer.
@@ -86,13 +88,15 @@ inline constexpr int kFewCoordinates = 100;
 /// one. If none is certainly nonzero, the row is compared with a basis of all motions of the body reached.
 inline constexpr int kManyJoints = 64;
 
-/// sparse-bodies: largest sizes of the dense system for a null vector (Balance in kkt/bodies/dependent_rows.cpp).
+/// sparse-bodies: largest numbers of rows and of balance equations in the dense system from which a null vector of rows
+/// along a chain is computed (Balance in kkt/bodies/dependent_rows.cpp).
 inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
 
-/// Largest number of entries of a cluster of columns of N that are exchanged or orthonormalised; each step is a pass.
+/// Largest number of entries of a cluster of columns of N to exchange or orthonormalise; each step passes over all.
 inline constexpr std::size_t kMostExchanged = 1 << 20;
 
-/// within_tolerance.cpp: largest tolerance or violation, relative to the largest moment arm; ratio of pivot thresholds.
+/// Rows made dependent within a tolerance (within_tolerance.cpp). kMostDrift is the largest tolerance or constraint
+/// violation, relative to the largest moment arm. kNextPivot is the ratio of a tried pivot threshold to the one before.
 inline constexpr double kMostDrift = 1e-2, kNextPivot = 1e-2;
 /// within_tolerance.cpp: largest number of reweighting steps of a column of N (three reduce entries outside a
 /// dependence from 1e-2 to below kRank), and least weight of a coordinate relative to its initial weight.
@@ -105,10 +109,10 @@ inline constexpr double kLeastWeight = 1e-10;
 inline constexpr int kFewRows = 300;
 /// Largest number of K's rows for which the dense solver is the last resort: 2 s, 72 MB per matrix for 3000 rows.
 inline constexpr int kDenseSize = 3000;
-/// Largest number of K's rows for which a factor of K differentiates islands that sparse-bodies solved (4 to 70 times
-/// as long). For a larger K, the dense solver would take even longer if that factor is not sound.
+/// Largest number of K's rows for which a factor of K differentiates islands that sparse-bodies solved, which takes 4
+/// to 70 times as long itself. For a larger K, the dense solver would take even longer if that factor is not sound.
 inline constexpr int kDifferentiatedByMatrix = 1500;
-/// Number of K's rows up to which derivatives may be solved column by column, many times slower in larger islands.
+/// Number of K's rows below which derivatives may be solved column by column: many times slower in larger islands.
 inline constexpr int kOneByOne = 400;
 /// Largest number of rows of K for which |K^-1|_1 is computed from all columns of K^-1, and not estimated.
 inline constexpr int kSmallInverse = 64;
@@ -118,8 +122,9 @@ inline constexpr int kLargestSubtree = 64;
 inline constexpr int kMostOpen = 6;
 /// sparse-bodies: upper limit of least_left (kkt/bodies/factorize.cpp), a pivot's rounding error relative to its terms.
 inline constexpr double kMostKept = 1e-5;
-/// An island with at least kOverdetermined rows of J, more than kTimesOverdetermined per coordinate, is overdetermined:
-/// `auto` uses the dense method (linear in the rows). From kTooFull rows on it replaces methods with an order.
+/// An island is overdetermined if it has at least kOverdetermined rows of J, and more than kTimesOverdetermined rows
+/// per coordinate. `auto` solves it by the dense method, at a cost linear in the rows. From kTooFull rows on, the dense
+/// method also replaces sparse methods with an elimination order, whose factor is full among the rows of one body.
 inline constexpr int kOverdetermined = 300, kTimesOverdetermined = 4, kTooFull = 5000;
 
 // ---- the proximal factor ----------------------------------------------------------------------------------------
@@ -138,7 +143,8 @@ inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
 /// usually to 1e-3; or rows are only nearly dependent. Without a second delta the limit is 1 / (2 kPivotOfDependent).
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
-inline constexpr double kInNullSpace = 1e-11;  // larger entries in projected random vectors: null vectors have the row
+/// A row is in no null vector if its entries in projected random vectors are below 1000 times their rounding error.
+inline constexpr double kInNullSpace = 1e-11;
 /// A projection ends when the vector's null-space part is below kProjected of it, or after kProjections passes.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
@@ -171,8 +177,9 @@ inline constexpr double kMostGrowth = 1e6;
 /// is at most this: less than a quarter of the error that derivatives may have, 1000 eps cond(K).
 inline constexpr double kRefinePanel = 5e-14;
 
-/// Refinement of derivatives judged by their own residuals stops at this normwise residual, half of the 1000 eps
-/// allowed. It is also the largest componentwise backward error of derivatives robot by robot.
+/// Refinement of derivatives that are judged by their own residuals stops at this normwise residual, half of the 1000
+/// eps allowed; residuals up to kConverged are accepted. Derivatives robot by robot are accepted up to this
+/// componentwise backward error.
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // largest number of solves, the first solve included
 
@@ -204,7 +211,8 @@ inline constexpr double kHalfTurn = 1e-4;
 
 // ---- judging solutions ----------------------------------------------------------------------------------------
 
-/// Contacts are inconsistent if |J a + a0| > 1e-8 (| |J| |a| | + |a0|), in maximum norms (but see kDriftRounding).
+/// Contacts are inconsistent (mathematics.md) if |J a + a0| > 1e-8 (| |J| |a| | + |a0|), in maximum norms. There are
+/// two exceptions, kLoadRounding and kDriftRounding.
 inline constexpr double kContradiction = 1e-8;
 
 /// A row of J waits, i.e. is not eliminated with the other rows, if its pivot is below kWaits kPivotLeft = 1e-6 of the

@@ -26,6 +26,6 @@ void residual(const UpperCsc& A, const double* Ax, const double* x, const double
 /// B <- B - A X for row-major panels of `cols` columns with row stride ld; row k of A is row row[k] of X and B.
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
 
-double norm_1(const UpperCsc& A, const double* Ax, double* work);  // |A|_1 of the whole matrix; work: n
+double norm_1(const UpperCsc& A, const double* Ax, double* work);  // |A|_1 of the whole matrix; work: n numbers
 
 }  // namespace manycontact::sparse

@@ -90,7 +90,8 @@ class Balance {
     F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
     return true;
   }
-  void pass() {  // then moves to the parent node
+  /// Adds the balance equations of the current node's joint. The node's parent then becomes the current node.
+  void pass() {
     const BodyPattern& p = *s_.pattern;
     for (int k = p.first_dof[node_]; k < p.first_dof[node_] + p.ndof[node_]; ++k)
       balance([&](const V6& F) { return s_.S.col(k).dot(F); });
@@ -309,7 +310,7 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
-  // size[i] bounds the terms of the body's acceleration: |X| parent's size + |S| |qdd|, without cancellation.
+  // size[i] bounds the terms of a body's acceleration without cancellation: |X| times the parent's size plus |S| |qdd|.
   auto& size = v.dx.motion;
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();

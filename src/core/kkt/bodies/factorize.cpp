@@ -63,8 +63,9 @@ Rows rows_of(const BodyPattern& s, BodyLdl& d, int i) {
           d.E.data() + d.square_first[i]};
 }
 
-// Adds X^T P X = [A, B'; B'^T, C - B^T [r]x + [r]x B'], B' = B - A [r]x, to Q: P = [A, B; B^T, C] shifted by r, X = [1,
-// -[r]x; 0, 1].
+// Adds to Q the inertia P shifted by r, X^T P X with X = [1, -[r]x; 0, 1]. P = [A, B; B^T, C] is symmetric, and
+// X^T P X is
+//   [A, B'; B'^T, C - B^T [r]x + [r]x B'],   B' = B - A [r]x
 void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   const double x = r[0], y = r[1], z = r[2];
   const auto add = [&](int j, const V6& column) { Q.col(j) += pairs::force_from(column, r); };  // X^T (P X)
@@ -185,7 +186,7 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// Returns a free body's compliance along G, with P's diagonal for P; inverse: reciprocals of this diagonal.
+// Returns a free body's compliance along G, with P's diagonal in place of P; inverse: reciprocals of this diagonal.
 double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {

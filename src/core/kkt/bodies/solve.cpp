@@ -37,7 +37,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// Eliminates joint and rows of node i from the right-hand sides. Updates g of open rows, and returns the parent's p.
+// Eliminates joint and rows of node i from the right-hand sides, updates g of open rows, and returns p for the parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;

@@ -58,8 +58,9 @@ NodeNumbers number_subtrees(const BodyPattern& p, const std::vector<char>& cut, 
   return at;
 }
 
+// Calls use(row) for the rows of contact number `contact` of the island.
 template <class Use>
-void each_row(const Island& island, std::size_t contact, Use&& use) {  // `contact`: its number in the island
+void each_row(const Island& island, std::size_t contact, Use&& use) {
   const int end = contact + 1 < island.contacts.size() ? island.row_offset[contact + 1] : island.nc;
   for (int row = island.row_offset[contact]; row < end; ++row) use(row);
 }

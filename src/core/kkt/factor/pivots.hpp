@@ -8,7 +8,8 @@
 
 namespace manycontact::internal {
 
-/// Checks K's signature (nv, nc, 0), and pivots by their terms in scratch.scale. L: nullptr rejects more pivots.
+/// Checks that K has the signature (nv, nc, 0), and that pivots exceed their rounding errors. scratch.scale: magnitudes
+/// of the pivots' terms. L: nullptr if unknown; more pivots are then rejected.
 inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D, FactorScratch& scratch) {
   const std::vector<double>& terms = scratch.scale;
   const sparse::UpperCsc& A = K.pattern->K;

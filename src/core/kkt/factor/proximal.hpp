@@ -99,7 +99,7 @@ class ProximalFactor final : public Factor {
     ldl_.take(pattern, method());
   }
 
-  double largest_of_S() {
+  double largest_of_S() {  // approximated with M's diagonal
     const sparse::UpperCsc& A = ldl_.pattern->K;
     std::fill(r_.begin(), r_.end(), 0.0);
     for (int k = 0; k < A.n; ++k)

@@ -17,7 +17,7 @@
 namespace manycontact {
 
 template <class S>
-struct AppliedForces {
+struct AppliedForces {  // a scene's external wrenches and springs at one state; allocate once per scene
   explicit AppliedForces(const Scene& scene);
 
   struct OfRobot {                                    // a robot on which any of these forces acts
@@ -50,16 +50,18 @@ template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
 
-struct AppliedScratch {
+struct AppliedScratch {  // one thread's scratch; allocate it once
   explicit AppliedScratch(const AppliedForces<double>& forces);
   std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
 
-// The functions below follow add_applied_forces at q, v, and consider only `robots`. Vectors are in the scene's order.
+// Call the functions below that have an argument `robots` after add_applied_forces at q, v. They consider only these
+// robots. Vectors have the sizes and the order of the scene.
 
+/// Adds dtau/dq dq + dtau/dv dv + dtau/dw dw to dtau. dw: nullptr for zero.
 void add_applied_tangent(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
-                         AppliedScratch& scratch, double* dtau);  // dw: nullptr for zero
+                         AppliedScratch& scratch, double* dtau);
 
 /// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv. Sets ww = (dtau/dw)^T l for these robots' wrenches if given.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,

@@ -11,7 +11,7 @@ namespace manycontact {
 inline bool has_friction(const Model& model) { return model.damping.size() + model.friction.size() > 0; }
 
 template <class S>
-void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {  // scale tau_f
+void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {  // tau += scale tau_f
   using std::tanh;
   for (Eigen::Index i = 0; i < model.damping.size(); ++i) tau[i] -= S(scale * model.damping[i]) * v[i];
   for (Eigen::Index i = 0; i < model.friction.size(); ++i)

@@ -1,6 +1,6 @@
 #pragma once
-// Products with derivatives of RNEA, ID(q, v, qdd), linear in the bodies, in the tree frame. Along dq, body i moves by
-// xi_i, the sum of S_j dq_j along its chain. Source: forward and reverse modes of RNEA; derivation ours.
+// Products with derivatives of RNEA, ID(q, v, qdd), in time linear in the bodies, in the tree frame. Along dq, body i
+// moves by xi_i, the sum of S_j dq_j along its chain. Source: forward and reverse modes of RNEA; derivation ours.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
@@ -29,7 +29,8 @@ void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::ve
 template <class S>
 void virtual_velocities(const Model& model, const Kinematics<S>& kin, const S* w, std::vector<Vec6<S>>& u);
 
-/// Adds to `adjoint` the gradients of w^T ID, without fext, in each body's xi, u, v, a. u: virtual_velocities of w.
+/// Adds to `adjoint` the gradients of w^T ID(q, v, qdd), without external forces, with respect to the xi, u, v, a of
+/// each body. u: virtual_velocities of w.
 template <class S>
 void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
                        std::vector<BodyVariationOf<S>>& adjoint);

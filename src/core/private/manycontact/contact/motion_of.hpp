@@ -6,7 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Computes one robot's kinematics at a time, at q (nq), v (nv; nullptr: at rest), in one memory if models are equal.
+/// Computes the kinematics of one robot at a time, at q (scene.nq) and v (scene.nv; nullptr: at rest). Memory is reused
+/// for robots with the same model.
 class MotionOf {
  public:
   MotionOf(const Scene& scene, const Eigen::Ref<const Eigen::VectorXd>& q, const double* v = nullptr)

@@ -13,7 +13,8 @@ inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& o
   return holds_turning(contact.type) ? Vec3<double>(oRA.col(2)) : Vec3<double>(Vec3<double>::UnitZ());
 }
 
-inline Vec3<double> linear_force(const Contact& contact, const double* f) {  // 
+/// Returns the linear force of a contact from the forces f of its rows, in the axes of its reference frame.
+inline Vec3<double> linear_force(const Contact& contact, const double* f) {
   if (contact.type == ContactType::k1D) return f[0] * contact.axis;
   if (contact.type == ContactType::k2D) return {f[0], 0, f[1]};
   return {f[0], f[1], f[2]};

@@ -6,8 +6,9 @@
 
 namespace manycontact {
 
-/// Computes changes along variations a, b of A's and B's bodies (tree frames; b zero for the world): dr2 of W x, dF of
-/// the force on A in A's axes, both with the rotation of the axes. rows: at the solution; f: the contact's force.
+/// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world). dr2 is
+/// the change of W x, which includes the rotation of W. dF is the change of the force on A in A's axes, which includes
+/// the force's rotation. rows: the contact's data at the accelerations of the solution. f: the contact's force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);

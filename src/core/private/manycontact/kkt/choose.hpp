@@ -27,8 +27,9 @@ double predicted_cost_of_terms(int rows, std::size_t contacts);  // PredictedCos
 /// Largest number of rows of a robot's K that are solved in a SIMD batch, whose scratch memory must stay in the cache.
 inline constexpr int kLargestInLanes = 400;
 
-double least_cost_ldl(const IslandShape& shape);  // any order; estimated from the trees' depths
-/// Whether sparse-bodies is cheaper than least_cost_ldl: joint-space patterns of the island are not computed.
+double least_cost_ldl(const IslandShape& shape);  // least over orders, from the trees' depths
+/// Whether trees are so deep that sparse-bodies is cheaper than least_cost_ldl. Joint-space patterns are not computed
+/// for such islands.
 bool is_deep(IslandShape& shape);
 
 /// Returns the number of entries of joint-space K, which is not allocated for sparse-bodies above kMostJointSpace.

@@ -37,8 +37,8 @@ struct DenseKkt {  // M, J, delta of K, and the rank-revealing factor
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }
 
-  MatX<S> motion(const MatX<S>& b) const;  // J^+ b: least |a| among minimisers of |J a - b|
-  MatX<S> force(const MatX<S>& g) const;  // (J^T)^+ g: least |f| among minimisers of |J^T f - g|
+  MatX<S> motion(const MatX<S>& b) const;  // J^+ b: least |a| among minimisers of |J a - b|; b: nc x k
+  MatX<S> force(const MatX<S>& g) const;   // (J^T)^+ g: least |f| among minimisers of |J^T f - g|; g: nv x k
 };
 
 template <class S>

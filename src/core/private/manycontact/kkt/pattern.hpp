@@ -17,7 +17,7 @@ struct IslandSupport {
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
-struct LazySchedule {
+struct LazySchedule {  // compiled by the first thread that needs it
   std::mutex mutex;
   std::unique_ptr<const sparse::LdlSchedule> schedule;
 };
@@ -39,21 +39,24 @@ struct KktPattern {
   int size() const { return nv + nc; }
 };
 
-sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const IslandSupport& support);  // 
+/// Returns K's pattern with coordinates and rows in the island's numbering.
+sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const IslandSupport& support);
 
 // Functions that compute elimination orders, as permutations KktPattern::perm. K is the result of natural_pattern.
 
-/// Returns one flag per robot: it is coupled to robots, none of which is further from the ground, in numbers of
-/// contacts (in a tower, the free end). All are false without contacts to the ground.
+/// Returns one flag per robot: contacts couple it to other robots, none of which is further from the ground. Distances
+/// are numbers of contacts. In a tower this is the robot at the free end. All flags are false without contacts to the
+/// ground.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
 /// Returns CAMD's order of rows 0 ... n-1. Row n comes last and is not returned; rows with entries in it come late.
 std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
-/// Returns kCamd. Among equivalent orders, contacts on the robots furthest from the ground come late.
+/// Returns the order kCamd; among equivalent orders, contacts on the robots furthest from the ground come late.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
-std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);  // 
-/// Returns kContactsEarly, from J in configurations without symmetry: it depends on types, axes and placements on A of
-/// contacts. Robots are in the island's order or, if clearly cheaper, in CAMD's of the coupled robots.
+/// Returns the order kLeafToRoot. by_degree: the result of camd_order, from which the order of contact rows is taken.
+std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
+/// Returns the order kContactsEarly, from J in configurations without symmetry: it depends on contacts' types, axes and
+/// placements on A. Robots are in the island's order or, if clearly cheaper, in CAMD's of the coupled robots.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 

@@ -9,7 +9,8 @@ struct RobotGroups {
   std::vector<Island> islands;    // groups of the loose robots, in the order of their first robots
   std::vector<int> sets, number;  // one entry per robot: set of the union-find; number of its root's island
 };
-/// Groups the robots flagged loose into islands (one if `whole`); returns the used entries of groups.islands.
+/// Groups the robots flagged in groups.loose into islands, or into one island if `whole`. Returns the number of entries
+/// of groups.islands in use.
 std::size_t group_robots(const Scene& scene, const std::vector<char>& active, bool whole, RobotGroups& groups);
 
 }  // namespace manycontact

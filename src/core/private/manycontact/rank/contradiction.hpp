@@ -47,7 +47,8 @@ class PassedRounding {
   S by_lever_ = S(0), by_force_ = S(0), largest_ = S(0);
 };
 
-/// Whether contacts are inconsistent: largest P (J a + a0), |J| |a|, a0, P (J a + a0) over terms; range of row sizes.
+/// The numbers that decide whether contacts are inconsistent: the largest entries of P (J a + a0), |J| |a| and a0, the
+/// largest entry of P (J a + a0) relative to its row's terms, and the range of row sizes.
 template <class S>
 struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);

@@ -16,7 +16,7 @@
 
 namespace manycontact::rank {
 
-struct DependentRows {
+struct DependentRows {          // the dropped rows, the null space basis N and its projector
   std::vector<int> dropped;     // rows of K: first rows flagged in `plain`, then dependent waiting rows, each ascending
   std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; may be empty
   WaitingRows waiting;          // kept rows without a sound pivot in K's order, and rows that depend on them
@@ -26,7 +26,7 @@ struct DependentRows {
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected = 0;  // max |z_j| of columns that are not orthonormalised; eps z_j^2 is the error of P
-  int largest_cluster = 0;  // largest number of entries of B in a cluster
+  int largest_cluster = 0;       // largest number of entries of B in a cluster
 
   /// Whether the dropped rows depend on the kept rows: after find_null_space, J^T N is a rounding error (kRowLeft), and
   /// columns of N that are not orthonormalised have no large z_j (kLargestEntry).
@@ -60,7 +60,7 @@ struct DependentRows {
 };
 
 /// Computes least (n), limits of pivots relative to their terms below which rows wait. A row of J waits if its pivot or
-/// the row is at most `margin` times its rounding error (rank/pivots.hpp). row_size: n sizes.
+/// the row is at most `margin` times its rounding error (rank/pivots.hpp). row_size: n sizes of J's rows.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
@@ -81,19 +81,20 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbo
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
-void make_projector(int n, DependentRows& rows);  // input: N; n: rows of K
+void make_projector(int n, DependentRows& rows);  // computed from N; n: rows of K
 
 /// After find_null_space, exchanges dropped rows with kept rows until no entry of N exceeds kExchanged, except in large
 /// clusters. Returns whether rows were exchanged; the caller must then factorize again.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Determines the dependent waiting rows, after ldl_factor_dependent, N and its projector. Certainly dependent rows are
+/// After ldl_factor_dependent: finds the dependent waiting rows, N and its projector. Certainly dependent rows are
 /// dropped; others join by their Schur complement unless it shows dependence. False: rounding hides the rank.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);
 
-/// Overwrites X (row-major, row stride ld) with K_kept^-1 X, by `solve` and the waiting rows' Schur complement.
+/// Overwrites X with K_kept^-1 X, by `solve` (with L and D) and the Schur complement of the waiting rows. X: the first
+/// `cols` columns of a row-major panel with row stride ld.
 void solve_kept(DependentRows& rows, double* X, int ld, int cols, const SolvePanel& solve);
 
 /// Returns the sizes relative to which residuals are judged, from scale = |b| + |K| |x| (n). For a dropped row it is

@@ -1,5 +1,5 @@
 #pragma once
-// Whether pivots of L D L^T = K = [M J^T; J -delta I] in any order exceed rounding. S: one value per robot of a batch.
+// Whether pivots of L D L^T = K = [M J^T; J -delta I] exceed rounding errors. S has one value per robot of a batch.
 
 #include <algorithm>
 #include <cmath>
@@ -20,8 +20,9 @@ struct Pivot {
   S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative: `own` is not judged
 };
 
-/// Whether the pivot exceeds `margin` times its rounding error. So must M_kk (if terms of rows of J are much larger,
-/// these had no sound pivots), or the largest entry of a row of J. False for infinite or NaN terms.
+/// Whether the pivot exceeds `margin` times its rounding error. For a row of M, M_kk must also exceed this error: if
+/// the terms of rows of J are much larger than M_kk, these rows had no sound pivots. For a row of J, its largest entry
+/// must exceed `margin` times its rounding error. False for infinite or NaN terms.
 template <class S>
 auto is_left(const Pivot<S>& p, double margin = 1) {
   const S least = S(margin * tolerance::kPivotLeft) * p.terms, size = absolute(p.d);
@@ -39,7 +40,7 @@ auto has_its_sign(const Pivot<S>& p) {
 /// two pivots of M, which small masses make small. Each pivot is compared with all earlier ones.
 template <class S>
 struct PassedOn {
-  S least = S(1), least_of_J = S(1);  // least |d| / terms so far, of all pivots and of J's pivots
+  S least = S(1), least_of_J = S(1);        // least |d| / terms so far, of all pivots and of J's pivots
   auto accepts(bool of_M, const S& left) {  // left: the next pivot's |d| / terms
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
@@ -48,7 +49,7 @@ struct PassedOn {
   }
 };
 
-/// PassedOn for pivots below each pivot in the elimination tree only: errors reach no other pivots.
+/// PassedOn, but only for pivots below in the elimination tree, since errors reach only a pivot's ancestors.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)

@@ -29,7 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a joint's tree frame origin / eps. It is zero if constant axes displace the origin.
+/// Returns the error of a joint's tree frame origin / eps: zero if joints displace it along constant axes only.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -88,7 +88,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
           accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
-/// Returns row_terms from the models and kinematics of the robots of A and B; unused for an immovable frame.
+/// Returns row_terms from the models and kinematics of A's and B's robots, which are unused for an immovable frame.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
                       const Model& B, const Kinematics<S>& kinB) {

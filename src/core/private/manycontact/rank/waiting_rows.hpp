@@ -18,7 +18,7 @@ namespace manycontact::rank {
 /// X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld, rows in K's order.
 using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 
-struct WaitingRows {  // not reallocated for at most as many rows
+struct WaitingRows {      // not reallocated for at most as many rows as before
   std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the others are dependent
   int joined = 0;
   std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that are not in K1
@@ -37,8 +37,8 @@ void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& sym
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);
 
-/// Call before_solve with right-hand sides X, solve with K1, then call after_solve; w.G must be kept in between. X:
-/// row-major panel with row stride ld; row k of K is row row[k] of X, or row k if row is nullptr.
+/// Call before_solve with right-hand sides X, solve with K1, then call after_solve; w.G has the joined rows' solution
+/// in between. X: row-major panel with row stride ld; row k of K is row row[k] of X, or row k if row is nullptr.
 void before_solve(WaitingRows& w, const int* row, const double* X, int ld, int cols);
 void after_solve(WaitingRows& w, const int* row, double* X, int ld, int cols);
 

@@ -29,7 +29,7 @@ namespace detail {
   const double s = a + b;
   return {s, b - (s - a)};
 }
-[[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {  // exact
+[[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {  // a + b exactly
   const double s = a + b, other = s - a;
   return {s, (a - (s - other)) + (b - other)};
 }

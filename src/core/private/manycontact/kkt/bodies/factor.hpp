@@ -11,11 +11,13 @@ struct BodySolve {
   void resize(const BodyPattern& p);
 };
 
-/// Solves for v.x with right-hand sides v.b. Residuals of each body's equations keep rounding local in chains.
+/// Solves for v.x with right-hand sides v.b. Refines with the residuals of each body's own equations, so that rounding
+/// errors do not add up along chains.
 sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
-sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);  // 
+/// Solves as solve_refined does, but without the first backward sweep, which factorize_bodies did with b = v.b.
+sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
-int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);  // entries of the factor
+int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);  // number of entries of the factor
 
 /// A body-space system with its factor, and solves in joint space, with vectors and panels in the island's order.
 class BodyFactor {
@@ -27,7 +29,7 @@ class BodyFactor {
   BodySystem system;
   BodyLdl ldl;
 
-  void solve(double* x);
+  void solve(double* x);  // x <- K^-1 x, without refinement
   /// Overwrites a row-major X with K^-1 X, column by column with refinement; columns that do not converge become NaN.
   void solve_panel(double* X, int cols);
 

@@ -4,7 +4,8 @@
 //
 //   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      a: its acceleration, y: forces of rows not yet eliminated
 //
-// Rows not yet eliminated are open. Eliminating a joint with S (its subspace), U = P S, D = S^T U + armature, W = G S:
+// Rows not yet eliminated are called open. Elimination of the joint with motion subspace S, U = P S, D = S^T U +
+// armature, W = G S changes
 //
 //   P -= U D^-1 U^T,   G -= W D^-1 U^T,   E += W D^-1 W^T
 //
@@ -38,8 +39,9 @@ struct BodyHold {
 
 /// Factorizes `count` rows on a node as Q R. Returns false, with hold.rows = 0, for (nearly) dependent or damped rows.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& hold);
+/// Return the solution y of R^T y = b, and that of R y = Q^T f, in entries 0 ... hold.rows - 1. hold has Q and R.
 Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
-Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);  // entries 0 ... hold.rows - 1 of y: R y = Q^T f
+Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
 struct BodyLdl {  // Block L D L^T from the leaves to the root.
   // set by factorize_bodies
@@ -78,7 +80,7 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   void resize(const BodyPattern& pattern);
 };
 
-struct HeldRows {  // rows on a node that are not dropped
+struct HeldRows {  // the rows on a node that are not dropped
   int row[6], count = 0;
 };
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);

@@ -28,12 +28,12 @@ struct BodyPattern {
   // Estimates for costs: sums over nodes of open rows^2 and of open rows^2 x eliminated rows; rows open at the bases.
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
-  bool complete(int row, int i) const {  // false: it cannot be eliminated there
+  bool complete(int row, int i) const {  // whether both bodies are in the subtree of node i
     const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
     return inside(A[row]) && inside(B[row]);
   }
   int meeting(int row) const;  // lowest common ancestor of a row's nodes, or -1
-  void complete_analysis();  // members after `B`, from those before
+  void complete_analysis();    // members after `B`, from those before
 };
 
 /// Takes time linear in bodies and contacts plus, for each row, the bodies between its ends.

@@ -32,7 +32,8 @@ struct BodySubtrees {
 /// Whether any body with children is constrained by six rows, so that trees may be cut.
 bool may_be_cut(const BodyPattern& p);
 
-/// Cuts trees at each such body unless a row of another body couples the two sides. The cost is linear.
+/// Cuts trees at each body that six rows fix to the world or a fixed base, unless a row of another body couples the two
+/// sides of the cut. The cost is linear.
 BodySubtrees split_bodies(const Island& island, const BodyPattern& whole);
 
 }  // namespace manycontact

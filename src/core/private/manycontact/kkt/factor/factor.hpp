@@ -36,7 +36,8 @@ class Factor {
   /// Overwrites x with K^-1 x, in K's elimination order. If rows are dependent (damping 0), K^-1 is the generalised
   /// inverse that gives least-squares accelerations and least-norm forces.
   virtual void solve(double* x) = 0;
-  /// Overwrites r = b - K x, where b has no part P b (project_out), with x's correction, from kept rows only.
+  /// Overwrites a residual r = b - K x, where b has no part P b (project_out), with the correction K^-1 r of x. Only
+  /// the kept rows count, since no correction can remove rounding errors of J x in the dependent rows.
   virtual void correct(double* r) { solve(r); }
   /// Computes v.x = K^-1 v.b with at most max_steps corrections from the true residual, and sets v.r and v.scale. If
   /// rows are dependent, v.null_component becomes the inconsistent part P b, which is not part of b during the solve.
@@ -85,7 +86,8 @@ class Factor {
     (void)K;
     return std::numeric_limits<double>::infinity();
   }
-  /// Whether a panel's columns are as accurate as a single solve, whose error and growth() then decide on refinement.
+  /// Whether the columns of a panel are as accurate as a single solve. If so, growth() and the error of a single solve
+  /// decide whether panels are refined. Otherwise, the panels' own residuals decide.
   virtual bool panel_is_like_solve() const { return true; }
 };
 

@@ -10,9 +10,9 @@ namespace manycontact {
 /// needs too much memory, SuiteSparse's LDL. Refuses pivots that are zero, of the wrong sign, or lost in cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
-/// K = L D L^T for damping 0. Rows of J without a sound pivot wait: they later join, or are dropped
-/// (rank/dependent_rows.hpp). Rows of M must have sound pivots. Refuses K if rounding hides the rank, or if more than
-/// kMostWaiting of more than kFewRows rows of J wait.
+/// Makes K = L D L^T for damping 0. Rows of J without a sound pivot wait, and later join or are dropped
+/// (rank/dependent_rows.hpp); rows of M must have sound pivots. Refuses K if rounding hides the rank, or if J has more
+/// than kFewRows rows and more than kMostWaiting of them wait.
 std::unique_ptr<Factor> make_waiting_ldl_factor();
 
 /// For damping 0 and dependences among rows of many bodies: factorizes K with a small damping, in any order, and
