@@ -64,7 +64,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// Returns 1 / d, or 0 if the pivot d is too small: its row then waits. may_wait: how many more rows may wait.
+// Returns 1 / d, or 0 if |d| <= least[k] scale: row k then waits (is not eliminated). may_wait: how many rows may.
 struct InverseOrWait {
   const double* least;
   int may_wait;

@@ -80,7 +80,7 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
-  // Without pivoting, a small pivot may enlarge errors of later pivots. The condition number is large in this case.
+  // Without pivoting, a small pivot may enlarge errors of later pivots. The condition number shows this.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
     Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
     y = llt.solve(y.template cast<S>()).template cast<double>();

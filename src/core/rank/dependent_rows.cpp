@@ -243,7 +243,8 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Moves dropped rows that are not `plain` to the waiting rows, without their columns of N. Returns how many remain.
+// Moves dropped rows whose dependence is not certain (rows.plain) to the waiting rows, and removes their columns of N.
+// Returns the number of dropped rows that remain.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;

@@ -1,7 +1,7 @@
 #pragma once
 // Solves with A = L D L^T for a few columns of a panel at a time, by a compiled schedule, and row sums for error
 // bounds. Four rows are computed at a time, so that a row read from the cache is used four times. With a pack as value
-// type V (ldl_kernels.hpp), several panels are solved at once. Templates and plain memory only, as in ldl_kernels.hpp.
+// type V (ldl_kernels.hpp), several panels are solved at once. This header includes no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 

@@ -75,7 +75,7 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
-/// Replaces the diagonal entry of a dropped row, so that the pattern remains: squared entries divided by it vanish.
+/// Diagonal entry of a dropped row, which keeps the pattern: the row's squared entries divided by it vanish.
 inline constexpr double kDroppedDamping = 1e200;
 
 /// Largest number of waiting rows (kWaits) of one robot in a SIMD batch. Each adds a dense column to N.

@@ -27,7 +27,7 @@ sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolv
       [&] {
         backward_sweep(system, ldl, v.residual.r);
         error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
-        // This may be the error of equations with relatively tiny terms, which backward_error takes into account.
+        // Equations may have terms tiny relative to those of others, which backward_error takes into account.
         if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);
       });
 }

@@ -212,7 +212,8 @@ double least_left(const BodyLdl& d, int row, double least) {
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
 // Eliminates those complete rows (both bodies in the subtree) at node i with sound pivots, the largest first, and moves
-// them to the first positions. Returns false if no remaining row has a sound pivot, and the rows cannot wait.
+// them to the first positions. Returns false if no remaining row has a sound pivot and they may not stay open, because
+// they are too many or no joint is nearer the base.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;

@@ -18,7 +18,7 @@ namespace manycontact::rank {
 /// X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld, rows in K's order.
 using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 
-struct WaitingRows {      // not reallocated for at most as many rows as before
+struct WaitingRows {      // allocates nothing for at most as many rows as before
   std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the others are dependent
   int joined = 0;
   std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that are not in K1

@@ -12,7 +12,7 @@
 
 namespace manycontact {
 
-struct BodyDependence {            // not reallocated for the same pattern and null space as before
+struct BodyDependence {            // allocates nothing for the same pattern and null space as before
   rank::DependentRows rows;        // null space; rows are numbered as the system's rows
   Eigen::VectorXd null_component;  // nc: part of b.rows in the null space, the inconsistency
 

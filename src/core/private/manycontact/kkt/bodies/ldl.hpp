@@ -80,7 +80,7 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   void resize(const BodyPattern& pattern);
 };
 
-struct HeldRows {  // the rows on a node that are not dropped
+struct HeldRows {  // the rows that constrain a node and are not dropped
   int row[6], count = 0;
 };
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);

@@ -6,8 +6,9 @@
 
 namespace manycontact {
 
-/// K = L D L^T in K's order, by the compiled schedule (sparse/ldl_schedule.hpp) or, for kSuiteSparseLdl or if that
-/// needs too much memory, SuiteSparse's LDL. Refuses pivots that are zero, of the wrong sign, or lost in cancellation.
+/// Makes K = L D L^T in K's order, by the compiled schedule (sparse/ldl_schedule.hpp) or, for kSuiteSparseLdl or if
+/// that needs too much memory, SuiteSparse's LDL. Refuses pivots that are zero, of the wrong sign, or lost in
+/// cancellation.
 std::unique_ptr<Factor> make_ldl_factor(Method method);
 
 /// Makes K = L D L^T for damping 0. Rows of J without a sound pivot wait, and later join or are dropped
@@ -15,8 +16,9 @@ std::unique_ptr<Factor> make_ldl_factor(Method method);
 /// than kFewRows rows and more than kMostWaiting of them wait.
 std::unique_ptr<Factor> make_waiting_ldl_factor();
 
-/// For damping 0 and dependences among rows of many bodies: factorizes K with a small damping, in any order, and
-/// proximal steps converge to the undamped solution. Refuses K if rounding hides which rows are dependent.
+/// Makes the factor for damping 0 and dependences among rows of many bodies. It factorizes K with a damping of
+/// kProximal, in any order, and proximal steps converge to the undamped solution. It refuses K if rounding hides which
+/// rows are dependent.
 std::unique_ptr<Factor> make_proximal_factor();
 
 std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);  // simplicial, in K's order
