@@ -183,7 +183,7 @@ inline constexpr double kRefinePanel = 5e-14;
 inline constexpr double kPanelRefined = 1e-13;
 inline constexpr int kPanelSteps = 3;  // largest number of solves, the first solve included
 
-inline constexpr double kVanishing = 1e-290;  // residuals below it have lost digits by underflow
+inline constexpr double kVanishing = 1e-290;  // residuals and pivots below it have lost digits by underflow
 
 /// Quadruple precision: normwise residual of a solution that counts as exact, 1e4 eps of float128, and largest number
 /// of refinement steps. A step divides the error by at least 2, usually by 1e10; 30 digits are 100 factors of 2. If the
