@@ -70,8 +70,7 @@ struct Cholmod::Impl {
     matrix->ncol = cols;
   }
 
-  // Solves for at most kColumns columns.
-  void solve_some(double* columns, std::size_t cols) {
+  void solve_some(double* columns, std::size_t cols) {  // solves for at most kColumns columns
     const std::size_t n = symbolic.pattern.n;
     shape(X, n, cols);
     shape(Y, kColumns, n);

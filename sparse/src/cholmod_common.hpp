@@ -1,6 +1,5 @@
 #pragma once
-// Definitions for all calls of CHOLMOD. Names in cholmod.h collide with other names, so that sources with this header
-// cannot be part of a unity build.
+// For all calls of CHOLMOD. Names in cholmod.h collide with other names, so a unity build cannot have these sources.
 
 #include <cholmod.h>
 

@@ -14,16 +14,14 @@ extern "C" {  // LDL 2.2's header has no extern "C"
 namespace manycontact::sparse {
 
 namespace {
-// Casts away const: SuiteSparse's C interfaces take constant arguments as pointers to non-const.
 template <class T>
-T* c(const std::vector<T>& v) {
+T* c(const std::vector<T>& v) {  // SuiteSparse's arguments are not const
   return const_cast<T*>(v.data());
 }
 }  // namespace
 
 void LdlWorkspace::reserve(const LdlSymbolic& s) {
-  // The sizes are tested one by one, since an earlier call may have run out of memory after some of them.
-  const auto grow = [](auto& array, std::size_t size) {
+  const auto grow = [](auto& array, std::size_t size) {  // one by one, as an earlier call may have run out of memory
     if (array.size() < size) array.resize(size);
   };
   const std::size_t n = s.n, nnz = s.nonzeros();
@@ -32,9 +30,8 @@ void LdlWorkspace::reserve(const LdlSymbolic& s) {
 
 namespace {
 
-// Computes parents in the elimination tree, and numbers of entries of L's columns. Row k of L consists of the nodes on
-// the tree's paths from the entries of column k of A to k. Throws TooLarge if L and its index arrays exceed the
-// machine's memory.
+// Computes the elimination tree and the numbers of entries of L's columns. Row k of L consists of the nodes on the
+// tree's paths from the entries of column k of A to k. Throws TooLarge if L and its indices exceed the memory.
 void elimination_tree(const UpperCsc& A, std::vector<int>& parent, std::vector<int>& count, std::vector<int>& flag) {
   constexpr double kBytes = 64;  // bytes per entry of L: values, patterns in three orders, schedule
   double nonzeros = 0;
@@ -94,8 +91,7 @@ void list_rows(LdlSymbolic& L) {
 
 namespace {
 
-// Moves the entries of each column of L to their slots. SuiteSparse's LDL packs them at the start of the column, but in
-// relaxed supernodes there are zeros between them.
+// Moves each column's entries of L from its start, where LDL packs them, to their slots among a supernode's zeros.
 void spread_columns(const LdlSymbolic& s, const LdlWorkspace& w, double* Lx) {
   for (int j = 0; j < s.n; ++j) {
     int from = s.Lp[j] + w.Lnz[j], to = s.Lp[j + 1];

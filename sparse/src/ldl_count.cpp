@@ -1,4 +1,3 @@
-// Counts the entries of L's columns without computing L, by CHOLMOD.
 
 #include "cholmod_common.hpp"
 #include "manycontact/sparse/ldl.hpp"

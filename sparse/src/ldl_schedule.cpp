@@ -61,8 +61,7 @@ void find_groups(const LdlSymbolic& s, LdlSchedule& out) {
   }
 }
 
-// Finds the targets (LdlSchedule::Target) in block T of rows begin, begin + 1, ... below another block. Rows below that
-// block are T's own columns or rows below T.
+// Finds the targets in block T of rows begin, begin + 1, ... below another block: T's columns, or rows below T.
 void find_targets(const int* rows, int begin, int count, const int* T_rows, int T_first, int T_width,
                   std::vector<LdlSchedule::Target>& targets) {
   const std::size_t before = targets.size();

@@ -1,6 +1,5 @@
-// Kernels on dense blocks for one SIMD level. The build compiles this file once per level, with the level's compiler
-// flags and its name as MANYCONTACT_LEVEL. Only the level's table of kernels is visible to the linker
-// (src/core/simd/levels.cmake).
+// Dense kernels of one SIMD level. The build compiles this file once per level, with the level's compiler flags and its
+// name as MANYCONTACT_LEVEL. Only the table of kernels is visible to the linker (src/core/simd/levels.cmake).
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -20,8 +19,7 @@ using ConstMap = Eigen::Map<const MatrixXd, 0, Strided>;
 Map map(Panel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 ConstMap map(ConstPanel M) { return {M.entries, M.rows, M.cols, Strided(M.stride)}; }
 
-// Whether operands are empty, which Eigen does not handle: its triangular product would divide by zero, and its
-// triangular solve would read entry 0.
+// Whether operands are empty: Eigen's triangular product would divide by zero, its triangular solve read entry 0.
 bool nothing(Panel C, ConstPanel A) { return C.rows == 0 || A.rows == 0 || A.cols == 0; }
 bool nothing(Panel X) { return X.rows == 0 || X.cols == 0; }
 

@@ -1,5 +1,4 @@
-// The panel kernels of one SIMD level. The build compiles this file once per level, with the level's compiler flags and
-// its name as MANYCONTACT_LEVEL. Only the level's PanelKernels are visible to the linker (src/core/simd/levels.cmake).
+// The panel kernels of one SIMD level. As in blocks/level.cpp, the build compiles this file once per level.
 
 #include <algorithm>
 #include <cstddef>
@@ -65,8 +64,7 @@ void residual_vector(const UpperCsc& A, const double* Ax, const double* x, const
   }
 }
 
-// Returns 1 / d, or 0 if the pivot d is too small, so that its row is not eliminated but waits. may_wait: how many more
-// rows may wait.
+// Returns 1 / d, or 0 if |d| <= least[k] scale: row k then waits (is not eliminated). may_wait: how many rows may.
 struct InverseOrWait {
   const double* least;
   int may_wait;
@@ -83,7 +81,6 @@ void factor(const LdlSchedule& schedule, const double* Ax, const double* least, 
   ldl_scheduled_factor(schedule, Ax, Lx, D, scale, kernel::NoPrefetch{}, InverseOrWait{least, most});
 }
 
-// Returns the first address in `work` at the start of a cache line.
 double* aligned(double* work) {
   return reinterpret_cast<double*>((reinterpret_cast<std::uintptr_t>(work) + 63) / 64 * 64);
 }
@@ -218,8 +215,7 @@ void upper_product(const double* L, const double* R, int depth, int cols, int ld
   }
 }
 
-// The last chunk of kHigh rows overlaps the chunk before it. In a chunk with fewer rows, operations would wait for each
-// other's results.
+// The last chunk of kHigh rows overlaps the chunk before it: fewer rows at a time would wait for each other's results.
 void product(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H) {
   const auto rows_from = [&](int i, auto high) {
     const Strided strided{ld};
@@ -242,9 +238,8 @@ void product_of_rows(const double* L, int ldl, const double* R, const int* from,
   if (non_temporal) kernel::finish_streams();
 }
 
-// Calls f(first, size) for chunks of columns that fill up to 4 registers.
 template <class F>
-inline void in_wide_chunks(int cols, F&& f) {
+inline void in_wide_chunks(int cols, F&& f) {  // f(first, size)
   constexpr int kMost = 4 * kRegister;
   const int end = (cols + 7) / 8 * 8;
   int j = 0;

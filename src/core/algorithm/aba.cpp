@@ -16,9 +16,8 @@ AbaData<S>::AbaData(const Model& model)
 
 namespace {
 
-// Performs the backward step of the articulated-body algorithm for joint i with N coordinates: U = IA S, D = S^T U +
-// armature, u = tau - S^T pA. Adds IA - U D^-1 U^T and pA + U D^-1 u to the parent's IA and pA; bias accelerations are
-// part of kin.a. Returns false if D is not positive.
+// Backward step for joint i with N coordinates: U = IA S, D = S^T U + armature, u = tau - S^T pA. Adds IA - U D^-1 U^T
+// and pA + U D^-1 u to the parent's. Bias accelerations are part of kin.a. Returns false unless D > 0.
 template <class S, int N>
 bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d) {
   const int iv = joint.idx_v;
@@ -29,7 +28,6 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   for (int k = 0; k < N; ++k) D(k, k) += S(model.armature[iv + k]);
   d.u.template segment<N>(iv).noalias() -= J.transpose() * d.pA[i];
   if constexpr (N == 1) {
-    // D must exceed the rounding error of the sum from which it is computed.
     const S noise = S(16) * std::numeric_limits<S>::epsilon() * (J.cwiseAbs().col(0).dot(U.cwiseAbs().col(0)));
     if (!(D(0, 0) > noise)) return false;
     d.Dinv[i](0, 0) = S(1) / D(0, 0);
@@ -48,8 +46,7 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   return true;
 }
 
-// Performs the forward step of the articulated-body algorithm for joint i: qdd = D^-1 (u - U^T a'), a = a' + S qdd. On
-// entry, d.a[i] is the parent's acceleration a'.
+// Forward step for joint i: qdd = D^-1 (u - U^T a'), a = a' + S qdd. On entry, d.a[i] is the parent's a'.
 template <class S, int N>
 void accelerate(const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d, VecRef<S>& qdd) {
   const int iv = joint.idx_v;
@@ -69,8 +66,7 @@ bool aba(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, c
   forward_accelerations<S>(model, v, nullptr, gravity, kin);  // kin.a: accelerations for qdd = 0, bias included
   const int n = model.njoints();
   d.u = tau;
-  // Accelerations are a_bias + a' with the bias accelerations kin.a. Bias forces are then those of RNEA for qdd = 0,
-  // and a' is zero at the base.
+  // Accelerations are kin.a + a', with a' = 0 at the base; bias forces are then those of RNEA for qdd = 0.
   for (int i = 0; i < n; ++i) {
     d.IA[i] = kin.Y[i].matrix();
     d.pA[i] = add_cross_force(kin.Y[i] * kin.a[i], kin.v[i], kin.Y[i] * kin.v[i]);

@@ -30,7 +30,7 @@ void add_path(const Scene& scene, const Attachment& at, AppliedForces<S>& forces
   joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
 }
 
-// Returns the wrench, about the tree frame's origin, of a force at the point p together with a torque.
+// Returns the wrench about the tree frame's origin of a force at the point p and a torque.
 template <class S>
 Vec6<S> wrench_at(const Vec3<S>& p, const Vec3<S>& force, const Vec3<S>& torque) {
   Vec6<S> F;

@@ -26,10 +26,9 @@ struct Size {
 };
 
 struct OfBody {
-  Size moved, velocity;  // moved: largest motion by one coordinate; velocity: sum over coordinates
-  double lever = 0;      // largest distance from the tree frame's origin to a joint between the body and the base
-  // Forces on the body's subtree, and derivatives of these forces with respect to one coordinate.
-  Size force, by_q, by_v;
+  Size moved, velocity;    // moved: largest motion by one coordinate; velocity: sum over coordinates
+  double lever = 0;        // largest distance from the tree frame's origin to a joint between the body and the base
+  Size force, by_q, by_v;  // forces on the body's subtree; derivatives with respect to one coordinate
 };
 
 // An end of a spring. For an end in the world, all members but `lever` and `reach` are zero.
@@ -146,8 +145,7 @@ class Sizes {
     }
   }
 
-  // Computes, from the leaves to the root, magnitudes of tau_i = S_i^T f_i and of its derivatives, which include the
-  // term (xi x S_i)^T f_i.
+  // From the leaves to the root: magnitudes of tau_i = S_i^T f_i and its derivatives, which include (xi x S_i)^T f_i.
   void take_torques(const Forces::OfRobot& of, std::vector<OfBody>& bodies) {
     const Robot& robot = scene_.robots[of.robot];
     double reach = 0;

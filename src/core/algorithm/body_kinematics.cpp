@@ -13,8 +13,7 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// Moves the rotation R and the origin r of the joint frame to the child frame at q. Sets the nonzero entries of J, the
-// joint's motion subspace about the child's origin.
+// Moves R and r, of the joint frame, to the child frame at q. Sets J's nonzero entries (S about the child's origin).
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   S s, c;
@@ -39,7 +38,6 @@ void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>&
   }
 }
 
-// Returns the joint's velocity S v, with the motion subspace S = J.
 template <class S>
 Vec6<S> joint_motion(const Joint& joint, const Eigen::Map<Mat6X<S>>& J, const ConstVecRef<S>& v) {
   Vec6<S> out = J.col(0) * v[joint.idx_v];

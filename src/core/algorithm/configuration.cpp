@@ -26,8 +26,7 @@ double uniform(double low, double high, std::mt19937& generator) {
   return (1 - t) * low + t * high;  // finite for any finite low and high
 }
 
-// Samples coordinate k of a joint within its limits. reach: largest magnitude of a coordinate without limits, and half
-// the range of a coordinate with one limit.
+// Samples coordinate k of a joint. reach: its largest magnitude without limits, half its range with one limit.
 double within_limits(const Joint& joint, int k, double reach, std::mt19937& generator) {
   const auto finite = [k](const Eigen::VectorXd& limit) { return k < limit.size() && std::isfinite(limit[k]); };
   double low = -reach, high = reach;

@@ -6,7 +6,7 @@ namespace manycontact {
 
 namespace {
 
-// Computes the composite inertias Yc and the packed joint-space inertia. M(k) must return a reference to its entry k.
+// Computes the composite inertias Yc and the packed M, with its entry k at the reference M(k).
 template <class S, class Entries>
 void composite_inertias(const Model& model, const Kinematics<S>& kin, std::vector<Inertia<S>>& Yc, const Entries& M) {
   Yc.resize(kin.Y.size());

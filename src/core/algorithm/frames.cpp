@@ -4,8 +4,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the frame's placement in its body's tree frame. For a frame on a fixed base, the placement is relative to the
-// base's origin, in the world's axes.
+// Returns the frame's placement in its tree frame; on a fixed base, relative to the base's origin, in world axes.
 template <class S>
 SE3<S> in_tree(const Kinematics<S>& kin, const SE3<double>& base, int joint, const SE3<double>& placement) {
   if (joint >= 0) return kin.oMi[joint] * placement.cast<S>();

@@ -24,8 +24,7 @@ void drop(const M6& J, MatrixRef out) {
     for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
 }
 
-// Sets a joint's block J of a Jacobian to of(tangent vector) on SE(3), restricted to SE(2) for a planar joint, or to
-// `straight` for a joint with one coordinate.
+// Sets a joint's block J to of(tangent vector) on SE(3), restricted to SE(2) if planar; one coordinate: `straight`.
 template <class Of>
 void joint_block(const Joint& joint, const ConstRef& v, double straight, Of&& of, MatrixRef J) {
   if (joint.type == JointType::kFloating)

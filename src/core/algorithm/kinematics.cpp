@@ -75,8 +75,7 @@ template <class S>
   kin.Y[i] = joint_space_inertia<S>(model, kin.own, i).transformed(kin.oMi[i]);
 }
 
-// Computes body i after its parent. s, c: sine and cosine of its joint's angle. fill_body is called here, while the
-// placement is in registers.
+// Computes body i after its parent; s, c: sine and cosine of its angle. Calls fill_body while oMi is in registers.
 template <class S>
 [[gnu::always_inline]] inline void place_body(const Model& model, const ConstVecRef<S>& q, int i, const S& s,
                                               const S& c, Kinematics<S>& kin) {
@@ -93,8 +92,7 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// Computes body i on its tree's path (Tree::path); if it is the root, places the whole path first. The function is not
-// inlined, as few bodies are on paths.
+// Computes body i on its tree's path (Tree::path); at the root, places the whole path first. Few bodies are on paths.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {

@@ -1,6 +1,5 @@
 #pragma once
-// The motion of a joint's child frame relative to its joint frame, and the placement of the bodies between a tree's
-// root and its anchor (detail/algorithm/kinematics.hpp).
+// Motions of joints, and placements of the bodies from a tree's root to its anchor (detail/algorithm/kinematics.hpp).
 
 #include <cstdint>
 #include <limits>
@@ -20,8 +19,7 @@ inline void rotate_columns(Mat3<S>& R, int k, const S& c, const S& s) {
   }
 }
 
-/// Returns the axis of a revolute or prismatic joint. R: axes of the joint frame or of the child frame, in which the
-/// joint's axis has the same coordinates.
+/// Returns the axis of a revolute or prismatic joint from the axes R of its joint frame or, equally, its child frame.
 template <class S>
 inline Vec3<S> axis_of(const Joint& joint, const Mat3<S>& R) {
   if (joint.axis_kind < 3) return R.col(joint.axis_kind);
@@ -35,8 +33,7 @@ inline S angle_of(const Joint& joint, const ConstVecRef<S>& q) {
   return joint.type == JointType::kPlanar ? q[joint.idx_q + 2] : S(0);
 }
 
-/// Changes the rotation R and origin p from those of the joint frame to those of the child frame at q. s, c: sine and
-/// cosine of the joint's angle.
+/// Moves the joint frame's rotation R and origin p to the child frame at q. s, c: sine, cosine of the joint's angle.
 template <class S>
 [[gnu::always_inline]] inline void move_frame(const Joint& joint, const ConstVecRef<S>& q, const S& s, const S& c,
                                               Mat3<S>& R, Vec3<S>& p) {
@@ -73,8 +70,7 @@ inline S upper_half(const S& a) {
   return c - (c - a);
 }
 
-/// Adds a b to the unevaluated sum of `sum` and `rest`, without rounding the product. Source: Dekker's product and
-/// Knuth's sum.
+/// Adds a b to `sum` + `rest` without rounding the product. Source: Dekker's product and Knuth's sum.
 template <class S>
 inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   const S ah = upper_half(a), al = a - ah, bh = upper_half(b), bl = b - bh;

@@ -51,7 +51,7 @@ void compose(const RigidBodies& bodies, RigidBodyMemory& m) {
 
 namespace {
 
-// Computes the kinematics at q and, if v is given, for v and a; a is zero if nullptr.
+// Computes the kinematics at q and, if v is given, for v and a (nullptr: zero).
 void take(const RigidBodies& bodies, const ConstRef& q, const ConstRef* v, const double* a, RigidBodyMemory& m) {
   m.composed = m.carries = false;
   m.moving = v != nullptr;
@@ -89,7 +89,7 @@ void check_forces(const char* function, const RigidBodies& bodies, ForcesOnBodie
                                 " joints");
 }
 
-// Transforms the forces fext on a robot's bodies from the child frames into the tree frame, as of.fext.
+// Transforms the forces fext on a robot's bodies from child frames to the tree frame, as of.fext.
 void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   of.fext.clear();
   if (fext.empty()) return;
@@ -97,8 +97,7 @@ void take_forces(ForcesOnBodies& fext, RobotMemory& of) {
   fext = fext.subspan(of.f.size());
 }
 
-// Computes the torques tau that the accelerations a require at the state of kin, by inverse dynamics minus the torques
-// of friction and of springs in joints. a: nullptr for zero.
+// Computes torques tau for accelerations a (nullptr: 0): inverse dynamics minus joint friction and joint springs.
 void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, const double* a, ForcesOnBodies fext,
              RigidBodyMemory& m, Eigen::VectorXd& tau) {
   each_robot(bodies, m, [&](const Robot& robot, RobotMemory& of, int, int iv) {

@@ -1,5 +1,4 @@
-// Functions of algorithm/rigid_body.hpp for frames, for sums over all bodies (centre of mass, momentum, energy), and
-// for joint wrenches.
+// Functions of algorithm/rigid_body.hpp for frames, for sums over all bodies, and for joint wrenches.
 
 #include "manycontact/detail/algorithm/energy.hpp"
 #include "manycontact/detail/algorithm/frames.hpp"
@@ -17,7 +16,7 @@ namespace {
 using Vec6d = Vec6<double>;
 using Vec3d = Vec3<double>;
 
-// The robot on which a frame is, and the robot's memory in the data; both are nullptr for a frame of the world.
+// The robot on which a frame is, and the robot's memory; both are nullptr for a frame of the world.
 struct Owner {
   const Robot* robot = nullptr;
   RobotMemory* memory = nullptr;
@@ -36,7 +35,7 @@ Owner owner_of(const char* function, const RigidBodies& bodies, RigidBodyMemory&
   return {out, &m.robots[static_cast<std::size_t>(number)]};
 }
 
-// Returns read(robot, kin) for the robot of a frame, after computing velocities; zero for a frame of the world.
+// Returns read(robot, kin) for a frame's robot, after computing velocities; zero for a frame of the world.
 template <class Read>
 Vec6d motion(const char* function, const RigidBodies& bodies, RigidBodyData& data, const Attachment& frame,
              Read&& read) {
@@ -100,8 +99,7 @@ Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, co
 
 namespace {
 
-// Returns the sum of of(kinematics, body) over all bodies, about the centre of mass. `of` must return a force or a
-// momentum in the body's tree frame.
+// Sums the forces or momenta of(kinematics, body), in the tree frame, over all bodies, about the centre of mass.
 template <class Of>
 Vec6d about_center(const RigidBodies& bodies, RigidBodyData& data, Of&& of) {
   internal::move(bodies, *data.memory);
@@ -198,8 +196,7 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
 
 namespace {
 
-// Returns the frame of the link that is the joint's child in the file, if this link is the joint's parent in the tree,
-// or nullptr if it is not.
+// Returns the frame of a file joint's child link if that link is the joint's parent in the tree, or nullptr.
 const Frame* child_behind(const Model& model, int joint) {
   const std::string& name = model.joints[joint].name;
   for (const Frame& frame : model.frames)

@@ -73,9 +73,7 @@ void each_joint_spring(const RigidBodies& bodies, Act&& act) {
   }
 }
 
-/// Computes kin.v and kin.a of the state, unless they are computed already.
-void move(const RigidBodies& bodies, RigidBodyMemory& m);
-/// Computes the composite inertias Yc and the packed M of the state, unless they are computed already.
-void compose(const RigidBodies& bodies, RigidBodyMemory& m);
+void move(const RigidBodies& bodies, RigidBodyMemory& m);     // computes kin.v and kin.a, unless done
+void compose(const RigidBodies& bodies, RigidBodyMemory& m);  // computes Yc and M, unless done
 
 }  // namespace manycontact::internal

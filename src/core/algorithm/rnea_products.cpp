@@ -4,7 +4,6 @@ namespace manycontact {
 
 namespace {
 
-// Returns S x for the coordinates x of one joint.
 template <class S>
 Vec6<S> combine(const Joint& joint, const Kinematics<S>& kin, const S* x) {
   Vec6<S> out = kin.J.col(joint.idx_v) * x[joint.idx_v];

@@ -28,15 +28,13 @@ SpringEnd<S> spring_end(const Attachment& at, const Kinematics<S>* kin) {
   return end;
 }
 
-/// Returns the end of a spring at `at`, in the state for which `forces` were computed.
 template <class S>
-SpringEnd<S> spring_end(const Attachment& at, const AppliedForces<S>& forces) {
+SpringEnd<S> spring_end(const Attachment& at, const AppliedForces<S>& forces) {  // the end in the state of `forces`
   return spring_end<S>(at, at.robot < 0 ? nullptr : &forces.robots[forces.number[at.robot]].kin);
 }
 
-/// Returns the vector from end B to end A of a spring.
 template <class S>
-Vec3<S> between(const SpringEnd<S>& A, const SpringEnd<S>& B) {
+Vec3<S> between(const SpringEnd<S>& A, const SpringEnd<S>& B) {  // vector from B to A
   return A.origin.seen_from(B.origin) + Vec3<S>(A.p - B.p);
 }
 

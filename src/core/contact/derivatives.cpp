@@ -70,8 +70,7 @@ struct Column {
   }
 
  private:
-  // Returns the derivative of nu_ang x nu_lin + beta nu_lin along dnu.
-  V3 point_terms(const V6& dnu) const {
+  V3 point_terms(const V6& dnu) const {  // derivative of nu_ang x nu_lin + beta nu_lin
     return dnu.template tail<3>().cross(lin) + ang.cross(dnu.template head<3>()) + beta * dnu.template head<3>();
   }
 };

@@ -24,22 +24,19 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
-// Returns the placement `of` relative to the placement `to`. The result is accurate even if both are far from their
-// body's origin.
+// Returns `of` relative to `to`, accurately even if both are far from their body's origin.
 SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
-// Returns the placement of the pair's frame A on its body: at the mean of the origins of the members' frames A, with
-// the axes of the first member's.
+// Returns the pair's frame A: at the mean of the members' origins of A, with the first member's axes.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
   for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
   return at;
 }
 
-// Returns the placement of the pair's frame B' on its body. Relative to the first member's B', it is placed as the
-// pair's frame A is relative to the first member's A.
+// Returns the pair's frame B', placed relative to the first member's B' as frame A to that member's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
 }
@@ -54,8 +51,7 @@ Contact member_of(const Contact& from) {
   return out;
 }
 
-// Returns B (contact/pair_rows.hpp), whose blocks of rows are S_m W_m X_m of the members m. A: placements of the
-// members' frames A in the pair's frame A.
+// Returns B (contact/pair_rows.hpp), with row blocks S_m W_m X_m. A: the members' frames A in the pair's A.
 Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>& A) {
   Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
   Eigen::Index row = 0;
@@ -69,8 +65,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-// Returns the rank of the decomposed matrix, or -1 if it is doubtful.
-int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {
+int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {  // -1: doubtful
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
   for (Eigen::Index k = 0; k < std::min(qr.rows(), qr.cols()); ++k) {
@@ -100,9 +95,8 @@ std::vector<char> first_independent(const Eigen::MatrixXd& B, int rank) {
   return out;
 }
 
-// Returns an orthogonal matrix T such that the rows of Q T that `spans` flags are lower triangular with a positive
-// diagonal. With Q T in place of Q, a row of R depends on the rows before it exactly if the flagged row of B depends on
-// the flagged rows before it.
+// Returns an orthogonal T such that the flagged rows of Q T are lower triangular with a positive diagonal. With Q T in
+// place of Q, a row of R depends on rows before it exactly if the flagged row of B does.
 Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<char>& spans) {
   Eigen::MatrixXd rows(Q.cols(), Q.cols());  // the flagged rows of Q, as columns
   Eigen::Index k = 0;
@@ -115,8 +109,7 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// Computes numbers.Q, R, R_right and terms, with B = Q R (contact/pair_rows.hpp). Returns false if the rows of B are
-// independent, or if their rank is doubtful.
+// Computes Q, R, R_right and terms, B = Q R. Returns false if B's rows are independent or their rank is doubtful.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);
@@ -127,8 +120,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   pair.spans = first_independent(B, rank);
   numbers.Q *= triangular_basis(numbers.Q, pair.spans);
   numbers.R = numbers.Q.transpose() * B;
-  // The angular columns of R are scaled to the norm of the linear columns, so that the error of the right inverse does
-  // not depend on the length of moment arms.
+  // Angular columns are scaled to the linear ones, so that moment arms do not affect the right inverse's error.
   Vec6<double> unit = Vec6<double>::Ones();
   const double turns = numbers.R.rightCols<3>().norm(), motions = numbers.R.leftCols<3>().norm();
   if (turns > 0 && motions > 0) unit.tail<3>().setConstant(motions / turns);
@@ -140,8 +132,7 @@ bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   return true;
 }
 
-// Computes the numbers that may change between solves: the pair's gains, which are the largest of its members' and only
-// scale terms of a0, and the placements of B'.
+// Updates placements of B', and the pair's gains: the largest of its members', used only to scale terms of a0.
 void take_changeable(PairRows& rows, Contact& pair) {
   pair.alpha = pair.beta = 0;
   pair.B.placement = placement_B(rows.members, pair.A.placement);

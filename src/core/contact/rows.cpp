@@ -37,10 +37,9 @@ ContactData<S>::ContactData(const Contact& contact, const ContactSupport& suppor
 
 namespace {
 
-// Returns the placement of an attachment's frame in its robot's tree frame (detail/algorithm/kinematics.hpp), on a
-// fixed base relative to the base's origin. If S has more digits than double, a step of Newton's method makes the
-// rotation R orthogonal, which is a product of rotations rounded to double. J and a0 both contain R^T, so that J^T a0
-// would otherwise have errors of eps |a0|, where eps is that of double.
+// Returns an attachment's placement in its tree frame, or relative to the origin of its fixed base. If S has more
+// digits than double, a step of Newton's method makes R orthogonal: R is a product of rotations rounded to double, and
+// J^T a0, with R^T in both J and a0, would have errors of eps |a0| with the eps of double.
 template <class S>
 SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   SE3<S> M = at.joint >= 0 ? kin.oMi[at.joint]
@@ -51,16 +50,14 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return M;
 }
 
-// Returns the position in the world of the origin to which `place` refers. For an attachment on a fixed base, kin is
-// not used, as it may be of an earlier state.
+// Returns the position in the world of `place`'s origin. On a fixed base kin may be of an earlier state and is unused.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];
   return {scene.robots[at.robot].base.p.template cast<S>()};
 }
 
-// Computes d.W, which selects the contact's rows from a motion in A's axes. If the rows are in the world's axes, W also
-// rotates the motion by R = oR_A.
+// Computes d.W, which selects the rows from a motion in A's axes and, for world axes, rotates it by R = oR_A first.
 template <class S>
 void select_rows(const Contact& c, const Mat3<S>& R, ContactData<S>& d) {
   Mat3<S> axes = Mat3<S>::Identity();

@@ -22,8 +22,7 @@ double predicted_cost_of_terms(int rows, std::size_t contacts) {
 
 namespace {
 
-// Returns the cost of the terms of M and J, which sparse-bodies does not need. In islands too large for SIMD batches,
-// these terms are computed contact by contact, at a higher cost.
+// Returns the cost of M's and J's terms, which sparse-bodies does not need. Contacts cost more outside SIMD batches.
 double cost_of_terms(const IslandShape& shape) {
   const std::size_t contacts = shape.scene().contacts.size();
   const double one_by_one =
@@ -31,7 +30,6 @@ double cost_of_terms(const IslandShape& shape) {
   return predicted_cost_of_terms(shape.island().size(), contacts) + one_by_one;
 }
 
-// Returns the cost of sparse-ldl, which includes costs per supernode and per index range that a supernode updates.
 double cost_ldl(IslandShape& shape, Order order) {
   const sparse::LdlCounts& L = shape.counts(order);
   const double ranges = (order == Order::kContactsEarly ? kLdlShortRange : kLdlRange) * L.scattered;
@@ -61,8 +59,7 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than a factor of K of the given cost. Islands whose bodies alone
-// make it more expensive are not analysed.
+// Whether sparse-bodies is predicted to be cheaper than `cost`. Islands with too many bodies for it are not analysed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

@@ -19,9 +19,8 @@ namespace manycontact {
 
 namespace {
 
-// Returns J, one matrix per contact, in a configuration without symmetry. Each coordinate differs from the neutral
-// configuration by `mean` plus or minus up to `most`. All bases are at the world's origin, so that islands of one shape
-// get the same order. other: difference of phase between successive robots.
+// Returns J per contact in a configuration without symmetry: each coordinate is neutral + `mean` +- up to `most`. Bases
+// are at the world's origin: equal islands get equal orders. other: difference of phase between successive robots.
 std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
                                           double mean, double most, double other) {
   std::vector<Eigen::MatrixXd> J;
@@ -68,9 +67,8 @@ std::vector<int> robots_by_degree(const Scene& scene, const Island& island) {
   return camd_order_from_ground(n, std::move(joined));
 }
 
-// Clusters of bodies that are fixed to each other by contacts of six rows which are already in the order. The rows of
-// another contact within a cluster are sums of rows in the order, so that elimination leaves nothing of them. Such a
-// contact need not wait for coordinates.
+// Clusters of bodies that contacts of six rows already in the order fix to each other. Elimination leaves nothing of
+// the rows of another contact within a cluster, so it need not wait for coordinates.
 class Clusters {
  public:
   Clusters(const Scene& scene, const Island& island) : scene_(scene), island_(island), first_{1} {
@@ -83,8 +81,7 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Takes into account that contact c is in the order now. Calls use(contact) for contacts between the two clusters
-  /// that c unites, which may follow at once.
+  /// Contact c is now in the order. Calls use(contact) for contacts between the clusters it unites; they may follow.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;
@@ -124,11 +121,10 @@ class Clusters {
 // Whether both ends of a contact are on one robot, so that it closes a loop.
 bool closes_loop(const Contact& contact) { return moves(contact.B) && contact.A.robot == contact.B.robot; }
 
-// Returns the order of all rows of K, given the order `robots`. A contact enters the order when eliminated coordinates
-// that no other contact has used move it in as many directions as it has rows, by at least `distinct` in all
-// configurations of J. It then uses up the coordinates that move it best. A contact that closes a loop enters the order
-// when all its coordinates are eliminated. These are few, and independent rows then have sound pivots in every
-// configuration. J: unit rows of each contact in several configurations.
+// Returns the order of all rows of K, given that of the robots. A contact enters it when eliminated coordinates that no
+// other contact has used up move it in as many directions as it has rows, by at least `distinct` in all configurations;
+// it then uses up those that move it best. A contact that closes a loop enters after its last coordinate, as
+// independent rows then have sound pivots in every configuration. J: unit rows per configuration and contact.
 std::vector<int> with_contacts(const Scene& scene, const Island& island, const IslandSupport& support,
                                const std::vector<std::vector<Eigen::MatrixXd>>& J, const std::vector<int>& robots,
                                double distinct) {

@@ -65,8 +65,7 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// Whether the factor of A = N^T M N is sound. A pivot must exceed the rounding errors of the terms |N|^T |M| |N|, which
-// may be much larger than A, and the effect of N's own rounding errors.
+// Whether A = N^T M N has a sound factor: pivots exceed rounding errors of |N|^T |M| |N|, and the effect of N's errors.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;
@@ -81,7 +80,7 @@ bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
     if (is_noise<S>(l * l, terms(k, k)) || !(l * l > of_N * (S(2) * size_N.col(k).dot(sums) + of_N * sum)))
       return false;
   }
-  // Without pivoting, a small pivot may enlarge errors of later pivots. The condition number is large in this case.
+  // Without pivoting, a small pivot may enlarge errors of later pivots. The condition number shows this.
   const double inverse = sparse::inverse_norm_1(static_cast<int>(A.rows()), [&llt](double* x) {
     Eigen::Map<Eigen::VectorXd> y(x, llt.rows());
     y = llt.solve(y.template cast<S>()).template cast<double>();
@@ -150,8 +149,7 @@ void factor(DenseKkt<S>& kkt) {
     decide_rank(kkt);
     if (kkt.rank > 0) decompose_rows(kkt);
   }
-  // After a change of rank, N and reduced are constructed again: if memory runs out, Eigen's resize leaves a freed
-  // array.
+  // N and reduced are constructed again, as a failing resize of Eigen leaves a freed array.
   if (kkt.N.cols() != nv - kkt.rank) {
     kkt.N = MatX<S>();
     kkt.reduced = Eigen::LLT<MatX<S>>(MatX<S>::Identity(nv - kkt.rank, nv - kkt.rank));

@@ -24,8 +24,7 @@ namespace {
 
 using Entries = std::vector<std::pair<int, int>>;
 
-// Returns the entries of M as (row, column) of K, in the order of M's packed storage.
-Entries inertia_entries(const Scene& scene, const Island& island) {
+Entries inertia_entries(const Scene& scene, const Island& island) {  // entries of M in K, in packed order
   Entries entries;
   for (std::size_t r = 0; r < island.robots.size(); ++r) {
     const Model& model = *scene.robots[island.robots[r]].model;

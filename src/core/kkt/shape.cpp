@@ -12,8 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Return the bodies of a contact's two ends, with robots numbered within the island. An immovable A may be on a robot
-// of another island; it counts as on B's robot.
+// Return the bodies of a contact's ends, robots numbered in the island. An immovable A counts as on B's robot.
 Attachment body_A(const Island& island, const Contact& contact) {
   return {local_robot(island, robot_of(contact)), contact.A.joint, {}};
 }
@@ -22,12 +21,10 @@ Attachment body_B(const Island& island, const Contact& contact) {
   return {local_robot(island, contact.B.robot), contact.B.joint, {}};
 }
 
-// Whether the position of a contact on A's body affects which motions the contact constrains. A contact with six rows
-// constrains all motions, wherever it is.
+// Whether the contact's position on A's body matters; six rows constrain all motions, wherever they are.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// Changes an order such that the rows of each contact are in ascending order. The pattern of K does not change, since
-// the rows of a contact have equal columns.
+// Sorts the rows of each contact in an order. K's pattern remains, as the rows of a contact have equal columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
@@ -123,8 +120,7 @@ std::uint64_t word(int robot, int joint) {
   return static_cast<std::uint64_t>(static_cast<std::uint32_t>(robot)) << 32 | static_cast<std::uint32_t>(joint);
 }
 
-// Adds to the key the structures of the trees, and the types and bodies of the contacts.
-void add_structure(const Scene& scene, const Island& island, Words& key) {
+void add_structure(const Scene& scene, const Island& island, Words& key) {  // trees, and types and bodies of contacts
   key.insert(key.end(), {island.robots.size(), island.contacts.size()});
   for (int r : island.robots) key.push_back(reinterpret_cast<std::uint64_t>(scene.robots[r].model->structure.get()));
   for (int c : island.contacts) {
@@ -152,7 +148,6 @@ void add_places(const Scene& scene, const Island& island, Words& key) {
   }
 }
 
-// Reserves memory for the words of add_structure and add_places.
 void reserve(const Island& island, Words& key) {
   key.reserve(2 + 2 * island.robots.size() + 54 * island.contacts.size());
 }
@@ -160,9 +155,8 @@ void reserve(const Island& island, Words& key) {
 }  // namespace
 
 const std::shared_ptr<IslandShape>& ShapeCache::find(const Scene& scene, const Island& island, bool by_places) {
-  // at_hand has all shapes of the program that are in use. Data of the same scene, such as the nodes of a horizon,
-  // share them, so that they stay in the processor's caches. A key has the addresses of models, which a shape keeps
-  // alive.
+  // at_hand has all shapes in use. Data of one scene, such as the nodes of a horizon, share them in the processor's
+  // caches. A shape keeps the models alive whose addresses are in its key.
   static Interned<IslandShape> at_hand;
   key_.clear();
   reserve(island, key_);

@@ -1,4 +1,3 @@
-// External wrenches and springs of a scene.
 
 #include <cmath>
 #include <stdexcept>

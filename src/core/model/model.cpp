@@ -40,8 +40,7 @@ int axis_kind(const Vec3<double>& axis) {
   return 3;
 }
 
-// Computes subtree_end. Throws std::invalid_argument if joints are not numbered depth first, i.e. if the chain from a
-// joint i-1 to the base does not contain the parent of i.
+// Computes subtree_end. Throws std::invalid_argument if joints are not numbered depth first.
 void number_subtrees(Model& model) {
   const int n = model.njoints();
   model.subtree_end.assign(n, 0);
@@ -90,8 +89,7 @@ void find_trees(Model& model) {
   }
 }
 
-// Returns the velocity coordinates that have a torque. Call it after idx_v of all joints is set.
-std::vector<int> actuated_coordinates(const Model& model) {
+std::vector<int> actuated_coordinates(const Model& model) {  // call after idx_v is set
   std::vector<int> out;
   for (int i = model.floating_base ? 1 : 0; i < model.njoints(); ++i)
     for (int k = 0; k < model.joints[i].nv() && model.joints[i].actuated; ++k) out.push_back(model.joints[i].idx_v + k);
@@ -113,8 +111,7 @@ std::vector<std::uint64_t> key_of(const Model& model) {
 
 }  // namespace
 
-/// An identity that all models of one structure share. Only its address is used.
-struct ModelStructure {};
+struct ModelStructure {};  // only its address is used; models of one structure share it
 
 void finalize(Model& model) {
   number_subtrees(model);

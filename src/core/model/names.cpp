@@ -7,8 +7,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the names of the coordinates of all joints, or of actuated joints only. count(type) must return a joint's
-// number of coordinates.
+// Returns the names of coordinates of all, or only of actuated, joints. count(type): a joint's number of coordinates.
 std::vector<std::string> names(const Scene& scene, int (*count)(JointType), bool actuated = false) {
   std::vector<std::string> out;
   for (const Robot& robot : scene.robots)

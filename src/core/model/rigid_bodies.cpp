@@ -47,8 +47,7 @@ int RigidBodies::njoints() const {
 
 namespace {
 
-// Returns the number of the frame of a link, or of the child link of a joint of the file (which may be a fixed joint).
-// Returns -1 if there is no such link or joint.
+// Returns the number of the frame of a link, or of a (possibly fixed) joint's child link, or -1.
 int frame_number(const Model& model, const std::string& name) {
   const int frame = model.find_frame(name);
   if (frame >= 0 || name.empty()) return frame;

@@ -45,8 +45,7 @@ std::string in_order(const std::string& name) {
   return out;
 }
 
-// Returns the number of letters to change from a to b or, if smaller, one more than this number after the words of both
-// are sorted. Returns 1 if a is a part of b.
+// Returns the number of letters to change, or that after sorting the words plus one, if less; 1 if b is a part of a.
 std::size_t difference(const std::string& a, const std::string& b) {
   if (a.size() > 2 && b.find(a) != std::string::npos) return a == b ? 0 : 1;
   return std::min(distance(a, b), distance(in_order(a), in_order(b)) + 1);

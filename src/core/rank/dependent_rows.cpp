@@ -43,8 +43,7 @@ int take_waiting_rows(const sparse::UpperCsc& K, const double* Kx, std::span<con
       D[k] = std::numeric_limits<double>::infinity();
       continue;
     }
-    // Rows of J that are eliminated before a row of M add terms to its pivot. If these terms are much larger than M_kk,
-    // the rows of J had no sound pivot from the rows of M before them.
+    // If terms of rows of J eliminated before a row of M are much larger than M_kk, those rows had no sound pivot.
     const Pivot<double> pivot{of_M[k] != 0, D[k], terms[k], Kx[K.p[k + 1] - 1]};
     if (!(of_M[k] ? is_left(pivot) : std::isfinite(terms[k])) || !has_its_sign(pivot)) return k;
   }
@@ -68,7 +67,6 @@ using Errors = std::array<double, kColumns>;
 
 double* row_of(std::vector<double>& panel, int k) { return panel.data() + static_cast<std::ptrdiff_t>(k) * kColumns; }
 
-// Adds factor x to y, where x and y are rows of two panels.
 void add_row(double factor, const double* x, double* y) {
   Chunk sum = Chunk::load(y);
   sum.add(factor, x);
@@ -138,8 +136,7 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// Computes the columns e_k - z of N for up to kColumns dropped rows k, in the panel rows.N, by backward substitution in
-// L^T z = row k of L over the rows of J before k.
+// Computes columns e_k - z of N for up to kColumns dropped rows k, in rows.N: L^T z = row k of L over rows of J before.
 void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
@@ -191,8 +188,7 @@ void refine_columns(std::span<const char> of_M, std::span<const int> dropped, co
   }
 }
 
-// Appends the columns in the dense panel rows.N to the sparse N (Np, Ni, Nx).
-void append_columns(std::span<const int> dropped, DependentRows& rows) {
+void append_columns(std::span<const int> dropped, DependentRows& rows) {  // rows.N to Np, Ni, Nx
   std::ranges::sort(rows.of_N, std::greater<>());
   for (std::size_t c = 0; c < dropped.size(); ++c) {
     const auto append = [&](int k) { rows.Ni.push_back(k), rows.Nx.push_back(row_of(rows.N, k)[c]); };

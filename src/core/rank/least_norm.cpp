@@ -54,8 +54,7 @@ bool refine_solution(const sparse::UpperCsc& K, const std::vector<double>& Kx, c
   return refinement.backward_error <= tolerance::kConverged;
 }
 
-// Returns the x of least norm that minimises |A x - b|, by L D L^T of K = [I A^T; A 0], or std::nullopt if rounding
-// errors hide the rank of A.
+// least_norm_solution by L D L^T of K = [I A^T; A 0]; std::nullopt if rounding errors hide the rank of A.
 std::optional<Eigen::VectorXd> by_ldl(int rows, int cols, const Entries& A, const Eigen::VectorXd& b) {
   std::vector<int> iperm;
   const sparse::UpperCsc K = augmented_pattern(rows, cols, A, iperm);

@@ -1,5 +1,4 @@
-// Computes the projector on the null space of J^T (rank/dependent_rows.hpp): clusters of columns of the null space
-// basis N, a basis B of each cluster, and exchanges of rows.
+// The projector on J^T's null space (rank/dependent_rows.hpp): clusters of columns of N, bases B, exchanges of rows.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -22,12 +21,10 @@ void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std:
                 Use&& use) {
   for (int k = p[column]; k < p[column + 1]; ++k) use(i[k], x[k]);
 }
-// Calls use(row of K, value) for each entry of a cluster's column of N.
 template <class Use>
 void each_of_null(const DependentRows& rows, const DependentRows::Cluster& cluster, int member, Use&& use) {
   each_entry(rows.Np, rows.Ni, rows.Nx, rows.members[cluster.first + member], use);
 }
-// Calls use(row of K, value) for each entry of a cluster's column of B.
 template <class Use>
 void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& cluster, int column, Use&& use) {
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
@@ -49,8 +46,7 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// Sets the basis B of a cluster to [Z^T; 1], with one column per kept row. It spans the orthogonal complement of the
-// cluster's columns [1; -Z] of N.
+// Sets a cluster's B to [Z^T; 1], one column per kept row: the orthogonal complement of its columns [1; -Z] of N.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // numbers of entries of kept rows' columns, then positions of the next entries
@@ -96,9 +92,8 @@ Eigen::Map<Eigen::MatrixXd> dense_columns(DependentRows& rows, const DependentRo
   return N;
 }
 
-// Sets the basis B of a cluster to an orthonormal basis of its columns of N, dense over the cluster's rows. It uses two
-// Gram-Schmidt passes, largest remainder first (Golub, Van Loan, Matrix Computations, sec. 5.2.9). Errors J^T n grow by
-// |column| / |remainder|.
+// Sets a cluster's B to an orthonormal basis of its columns of N, by two Gram-Schmidt passes, largest remainder first
+// (Golub, Van Loan, Matrix Computations, sec. 5.2.9). Errors J^T n grow by |column| / |remainder|.
 void take_orthonormal(DependentRows& rows, DependentRows::Cluster& cluster) {
   Eigen::Map<Eigen::MatrixXd> N = dense_columns(rows, cluster);
   for (auto column : N.colwise()) column.normalize();
@@ -127,8 +122,7 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
   return largest;
 }
 
-// Computes the basis B of a cluster. B is orthonormal if entries of N are large; otherwise B is N or a basis of its
-// orthogonal complement, whichever has fewer columns.
+// Computes a cluster's B: orthonormal if entries of N are large, otherwise N or its complement, whichever is smaller.
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);
@@ -146,7 +140,6 @@ void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   }
 }
 
-// Groups the columns of N that share rows into clusters.
 void make_clusters(int n, DependentRows& rows) {
   const int d = static_cast<int>(rows.dropped.size());
   // owner[k], row k of K: a column of N with an entry there, or -1. owner[n + c], column c: its cluster's first column.
@@ -224,10 +217,9 @@ void form_gram(int n, DependentRows& rows, const DependentRows::Cluster& cluster
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> llt(in_place);
 }
 
-// Exchanges dropped rows with kept rows such that the square block of N in the dropped rows has approximately the
-// largest volume. N = [1; -Z] in the dropped and the kept rows, and the exchange of kept row i with dropped row j is a
-// pivot step on N_ij. Returns whether rows were exchanged. Source: Goreinov, Oseledets, Savostyanov, Tyrtyshnikov,
-// Zamarashkin, How to find a good submatrix (2010).
+// Exchanges dropped with kept rows until the block of N in the dropped rows has nearly the largest volume: exchanging
+// kept row i with dropped row j is a pivot step on N_ij, N = [1; -Z]. Returns whether rows were exchanged. Source:
+// Goreinov, Oseledets, Savostyanov, Tyrtyshnikov, Zamarashkin, How to find a good submatrix (2010).
 bool exchange_in_cluster(DependentRows& rows, const DependentRows::Cluster& cluster) {
   if (!is_small(cluster)) return false;
   const int* row = rows.cluster_rows.data() + cluster.row;
@@ -327,8 +319,7 @@ void project_out(DependentRows& rows, double* y, double* null_component) {
 
 namespace {
 
-// Returns whether any of the cluster's rows is flagged as nonzero. If so, sets the flags of all of them, since the
-// projection makes them nonzero.
+// Returns whether any of the cluster's rows is flagged nonzero; if so, flags all: the projection makes them nonzero.
 bool spread(const DependentRows& rows, const DependentRows::Cluster& cluster, char* nonzero) {
   const std::span<const int> of(rows.cluster_rows.data() + cluster.row, rows.cluster_rows.data() + cluster.row_end);
   const bool any = std::any_of(of.begin(), of.end(), [&](int k) { return nonzero[k] != 0; });

@@ -42,9 +42,8 @@ void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, i
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
-// Computes the scale 1 / sqrt(terms) of each waiting row. The terms of its pivot are l_j^2 |d_j| for the rows j of K1
-// before the row, and J_i^2 / M_ii for later rows i of M. Rows of J that are only rounding errors get the scale 0, so
-// that they do not join.
+// Computes each waiting row's 1 / sqrt(terms). The terms are l_j^2 |d_j| for rows j of K1 before it, J_i^2 / M_ii for
+// later rows i of M. Rows of J that are only rounding errors get 0, so that they do not join.
 void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                  const double* row_size, const double* Lx, const double* D, WaitingRows& w) {
   std::vector<double>&terms = w.scale, &largest = w.largest;

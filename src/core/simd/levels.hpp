@@ -1,11 +1,9 @@
 #pragma once
-// Tables of the kernels of all modules. Kernels are compiled once per SIMD level (src/core/simd/levels.cmake), and a
-// level is chosen at run time.
+// Tables of all modules' kernels, compiled once per SIMD level (src/core/simd/levels.cmake) and chosen at run time.
 
 #include <span>
 
-/// MANYCONTACT_OF_LEVEL appends the level to a name: in sources compiled for avx2, MANYCONTACT_OF_LEVEL(level_) is
-/// level_avx2. The other macros are its steps.
+/// MANYCONTACT_OF_LEVEL(level_) is level_avx2 in sources compiled for avx2. The other macros are its steps.
 #define MANYCONTACT_PASTE(prefix, level) prefix##level
 #define MANYCONTACT_PASTE_VALUES(prefix, level) MANYCONTACT_PASTE(prefix, level)
 #define MANYCONTACT_OF_LEVEL(prefix) MANYCONTACT_PASTE_VALUES(prefix, MANYCONTACT_LEVEL)
@@ -39,8 +37,7 @@ struct Level {
   bool (*runs)();  // whether this processor supports the level's instructions
 };
 
-/// Returns all levels of this build that this processor supports, the widest first.
-/// @throws std::runtime_error if there are none because the build is for another processor
+/// Returns the levels of this build that the processor supports, the widest first. @throws std::runtime_error if none
 std::span<const Level> levels();
 
 }  // namespace simd

@@ -1,6 +1,5 @@
 #pragma once
-// The functions of spatial/explog.hpp for SIMD batches. They loop over the robots of the batch, since logarithms have
-// branches that differ between robots.
+// spatial/explog.hpp for SIMD batches, robot by robot, since branches of logarithms differ between robots.
 
 #include "manycontact/spatial/explog.hpp"
 

@@ -2,8 +2,7 @@
 // CHOLMOD's simplicial LDL' in three calls: analyse a pattern once, factorize values often, solve. Source: Chen, Davis,
 // Hager, Rajamanickam, Algorithm 887: CHOLMOD (2008).
 //
-// Constructors allocate all memory; factorize and solve allocate none. If memory runs out, std::bad_alloc is thrown and
-// the object remains usable. If CHOLMOD fails otherwise (sizes beyond its integers), std::runtime_error is thrown.
+// Only constructors allocate memory. std::bad_alloc leaves objects usable; other failures throw std::runtime_error.
 
 #include <memory>
 
@@ -20,7 +19,6 @@ class CholmodSymbolic {
   CholmodSymbolic& operator=(const CholmodSymbolic&) = delete;
 
   int size() const;
-  /// Returns the number of nonzeros of the factor, diagonal included.
   int factor_nonzeros() const;
 
  private:
@@ -39,10 +37,8 @@ class Cholmod {
 
   /// Factorizes the matrix with entries Ax, in the order of the pattern's entries. Returns false if a pivot is zero.
   [[nodiscard]] bool factorize(const double* Ax);
-  /// X <- A^-1 X, where X is an n x cols matrix in column-major order.
-  void solve(double* X, int cols);
-  /// Copies the n pivots to D, in the order of elimination.
-  void pivots(double* D) const;
+  void solve(double* X, int cols);  // X <- A^-1 X; X: n x cols, column-major
+  void pivots(double* D) const;     // n pivots, in the order of elimination
   /// Computes terms[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude of the terms of pivot k, for all n pivots.
   void pivot_terms(const double* Ax, double* terms) const;
   const CholmodSymbolic& symbolic() const;

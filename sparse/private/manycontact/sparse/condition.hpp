@@ -10,8 +10,7 @@ double inverse_norm_1(int n, const std::function<void(double*)>& solve);
 /// Computes |B|_1 of an n x n matrix B from its n columns, without an estimate. multiply(x) must overwrite x with B x.
 double norm_1_by_columns(int n, const std::function<void(double*)>& multiply);
 
-/// Estimates |B|_1 of any n x n matrix B by a lower bound. multiply(x) must overwrite x with B x, and
-/// multiply_transposed(x) must overwrite x with B^T x.
+/// Estimates |B|_1 of an n x n matrix B by a lower bound. The functions must overwrite x with B x and with B^T x.
 double norm_1_estimate(int n, const std::function<void(double*)>& multiply,
                        const std::function<void(double*)>& multiply_transposed);
 

@@ -33,7 +33,6 @@ struct DenseKernels {
                      double* scale_t);
 };
 
-/// Returns the kernels of the widest SIMD level that this processor supports.
-const DenseKernels& dense_kernels();
+const DenseKernels& dense_kernels();  // the widest level that the processor supports
 
 }  // namespace manycontact::sparse

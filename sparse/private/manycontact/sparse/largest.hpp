@@ -10,8 +10,7 @@ S larger_or_nan(const S& a, const S& b) {
   return b <= a || a != a ? a : b;
 }
 
-/// Returns the largest |x_k|, NaN if an entry is NaN, or 0 if x is empty.
-inline double largest(std::span<const double> x) {
+inline double largest(std::span<const double> x) {  // NaN if an entry is NaN
   double out = 0;
   for (const double entry : x) out = larger_or_nan(out, std::abs(entry));
   return out;

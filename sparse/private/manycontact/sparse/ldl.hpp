@@ -1,7 +1,6 @@
 #pragma once
-// The factorization A = L D L^T of a symmetric matrix in the given order, without pivoting, by SuiteSparse's LDL. The
-// caller checks the pivots: the signs of D give A's signature, and pivot_terms gives the magnitudes of the pivots'
-// terms. Source: Davis, Algorithm 849: a concise sparse Cholesky factorization package (2005).
+// A = L D L^T of a symmetric matrix in the given order, without pivoting, by SuiteSparse's LDL. Callers must check the
+// pivots. Source: Davis, Algorithm 849: a concise sparse Cholesky factorization package (2005).
 
 #include <vector>
 
@@ -9,8 +8,7 @@
 
 namespace manycontact::sparse {
 
-/// The symbolic analysis of a pattern. It is constant, and all matrices with that pattern share it.
-struct LdlSymbolic {
+struct LdlSymbolic {  // symbolic analysis of a pattern; constant
   int n = 0;
   std::vector<int> parent;      // elimination tree: parent of each column, -1 for a root
   std::vector<int> Lp, Li;      // L without its unit diagonal, by columns: Lp column starts, Li rows, ascending
@@ -30,11 +28,9 @@ struct LdlWorkspace {
 };
 
 LdlSymbolic ldl_analyze(const UpperCsc& A);
-/// Computes L.Rp, L.Rj, L.Rk from L.Lp and L.Li. The columns of each row are in ascending order.
-void list_rows(LdlSymbolic& L);
+void list_rows(LdlSymbolic& L);  // computes Rp, Rj, Rk from Lp and Li
 
-/// The size of the factor L that ldl_analyze would find. nonzeros and flops are defined in LdlSymbolic.
-struct LdlCounts {
+struct LdlCounts {  // size of the factor that ldl_analyze would find; nonzeros, flops: see LdlSymbolic
   double nonzeros = 0, flops = 0;
   // blocks: the number of relaxed supernodes (sparse/relaxed_supernodes.hpp), which are blocks of columns.
   // scattered: the sum over blocks of (rows below)^2, about the number of entries of other columns that blocks update.
@@ -49,14 +45,12 @@ LdlCounts ldl_count(const UpperCsc& A);
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
-/// Factorizes A row by row, without SuiteSparse. Also computes scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude of
-/// the terms of pivot k (n values). A row k whose pivot is at most least[k] scale[k] is not eliminated: its column of L
-/// is zero. Elimination continues after a pivot that is zero or NaN, so that the caller must check D and scale.
+/// Factorizes row by row, without SuiteSparse, and sets scale (n) as pivot_terms does. A row k with a pivot of at most
+/// least[k] scale[k] is not eliminated (its column of L is zero). Zero or NaN pivots do not end it: check D and scale.
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* least,
                         LdlWorkspace& work, double* Lx, double* D, double* scale);
 
-/// Overwrites x (n) with A^-1 x, by the factor of A.
-void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);
+void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, double* x);  // x <- A^-1 x
 
 /// X <- A^-1 X for columns first ... first+cols-1 of a row-major panel with row stride ld. Row k of A is row row[k] of
 /// X, or row k if row is nullptr. nonzero: n flags in A's order, set for rows of X that are nonzero in these columns;
@@ -64,15 +58,13 @@ void ldl_solve(const LdlSymbolic& symbolic, const double* Lx, const double* D, d
 void ldl_solve_panel(const LdlSymbolic& symbolic, const double* Lx, const double* D, const int* row, double* X, int ld,
                      int first, int cols, char* nonzero);
 
-/// Computes terms[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude of the terms of pivot k (n values). A pivot of eps
-/// times its terms is only rounding error.
+/// Computes terms[k] = |A_kk| + sum_j L_kj^2 |D_j| (n), the terms of pivot k, whose rounding error is eps terms[k].
 void pivot_terms(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* Lx, const double* D,
                  double* terms);
 
-/// Returns c such that each solution x by a computed factor solves (A + dA) x = b exactly, with |dA| <= c |L||D||L^T|.
-/// This bounds the backward error of every column of a panel in advance. c counts the roundings (eps/2 each) of every
-/// entry of L D L^T and of every row of the two sweeps, for sums in any order. Source: Higham, Accuracy and Stability
-/// of Numerical Algorithms, 2nd edition, lemma 8.4, theorems 9.3 and 9.4.
+/// Returns c such that computed solutions x solve (A + dA) x = b exactly, with |dA| <= c |L||D||L^T|. c counts
+/// roundings (eps/2 each) for sums in any order. Source: Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+/// edition, lemma 8.4, theorems 9.3 and 9.4.
 double ldl_rounding(const LdlSymbolic& symbolic);
 
 }  // namespace manycontact::sparse

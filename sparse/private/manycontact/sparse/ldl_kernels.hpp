@@ -1,11 +1,9 @@
 #pragma once
-// The factorization A = L D L^T and solves by a compiled schedule. The value type V is a double, or a pack of doubles,
-// one for each of several matrices with the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a),
-// multiply_add(a, b, c) = a b + c and subtract_product(a, b, c) = c - a b. These two must be rounded as for doubles.
-//
-// A matrix of a pack undergoes the same operations in the same order as a single matrix, so that both factors agree bit
-// for bit. For doubles, several rows of a column are computed at a time. This header is compiled for several SIMD
-// levels, so it has templates and plain memory only and includes no other library.
+// A = L D L^T and solves by a compiled schedule. The value type V is a double, or a pack with one double for each of
+// several matrices of the same pattern. A pack needs + - * /, unary -, V{} = 0, V(1.0), absolute(a), multiply_add(a, b,
+// c) = a b + c and subtract_product(a, b, c) = c - a b, the last two rounded as for doubles. A matrix has the same
+// factor, bit for bit, alone and in a pack. This header is compiled for several SIMD levels, so it has templates and
+// plain memory only and includes no other library.
 
 #include <type_traits>
 
@@ -16,8 +14,7 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// Adds to t the sum over columns c of u[c stride] times the N entries of column c at x. In the packed storage of a
-/// block, the entries of the same rows in column c + 1 are step - c further.
+/// t += the sum over columns c of u[c stride] times N entries at x, which are step - c further in column c + 1.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -26,7 +23,6 @@ inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stri
   }
 }
 
-/// Returns the inverse 1 / d of a pivot d. The other arguments, the row number and the pivot's terms, are not used.
 struct Inverse {
   template <class V>
   V operator()(int, const V& d, const V&) const {
@@ -34,8 +30,7 @@ struct Inverse {
   }
 };
 
-/// Eliminates the columns of a block one after the other. first: number of the first column; width: number of columns;
-/// below: number of rows below the block.
+/// Eliminates the columns of a block one by one: `width` columns from `first` on, with `below` rows below them.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
   V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
@@ -63,8 +58,7 @@ void factor_block(int first, int width, int below, V* L, V* D, V* scale, Inverse
   }
 }
 
-/// Subtracts this block's contribution from N columns of a later block T (LdlSchedule::Run). The numbers of these
-/// columns are rows a ... a+N-1 below this block.
+/// Subtracts this block's products from N columns of a later block T, which are rows a ... a+N-1 below this block.
 template <int N, class V>
 inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& run, int a, int width, int below,
                            const V* L, const V* D, V* Lx, V* D_all, V* scale) {
@@ -124,8 +118,7 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
     });
 }
 
-/// Performs the backward sweep x <- L^-T D^-1 x for one block. For each column, rows below the block come first, four
-/// at a time.
+/// x <- L^-T D^-1 x for one block. For each column, rows below the block come first, four at a time.
 template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
@@ -159,12 +152,10 @@ inline void backward(int width, int below, const V* L, const V* D, const LdlSche
 
 }  // namespace kernel
 
-/// Computes the factor L D L^T of the matrix with entries Ax, and scale[k] = |A_kk| + sum_j L_kj^2 |D_j|, the magnitude
-/// of the terms of pivot k. Lx is ordered as in LdlSymbolic; D and scale have n entries. The type A of the entries may
-/// be more precise than V. Elimination continues after a zero pivot, with L and D not finite; the caller must check D
-/// and scale. inverse_of(k, D_k, scale[k]) returns the inverse pivot of row k. If it returns zero, row k is not
-/// eliminated, and its column of L is zero. If inverse_of has a member stops(), the factorization ends after the first
-/// block for which stops() is true.
+/// Computes the factor of the matrix with entries Ax, and scale (n) as in pivot_terms (ldl.hpp). Lx is ordered as in
+/// LdlSymbolic. The type A may be more precise than V. After a zero pivot, L and D are not finite; the caller must
+/// check D and scale. A row whose inverse_of(k, D_k, scale[k]) is zero is not eliminated, and its column of L is zero.
+/// If inverse_of has a member stops(), the factorization ends after the first block for which it is true.
 template <class A, class V, class Prefetch = kernel::NoPrefetch, class InverseOf = kernel::Inverse>
 void ldl_scheduled_factor(const LdlSchedule& schedule, const A* Ax, V* Lx, V* D, V* scale, Prefetch prefetch = {},
                           InverseOf inverse_of = {}) {
@@ -222,7 +213,6 @@ void ldl_scheduled_backward(const LdlSchedule& schedule, const V* Lx, const V* D
   }
 }
 
-/// Overwrites x with A^-1 x, by both sweeps.
 template <class V>
 void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V* x) {
   ldl_scheduled_forward(schedule, Lx, x);
@@ -241,8 +231,7 @@ inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   }
 }
 
-/// The type of `scale` in ldl_scheduled_residual if sizes of terms are not computed.
-struct NoSizes {};
+struct NoSizes {};  // ldl_scheduled_residual then computes no scale
 /// Computes r = b - A x, and scale[k] = |b_k| + sum_j |A_kj x_j| unless Scale is NoSizes. All have length A.n.
 template <class V, class Scale = NoSizes, class Prefetch = kernel::NoPrefetch>
 void ldl_scheduled_residual(const UpperCsc& A, const V* Ax, const V* x, const V* b, V* r, Scale scale = {},

@@ -1,8 +1,7 @@
 #pragma once
-// Solves with A = L D L^T for a few columns of a panel at a time, by the blocks of a compiled schedule, and row sums
-// from which error bounds follow. Four rows are computed at a time, so that a row read from the cache is used four
-// times. The value type V is that of ldl_kernels.hpp; with a pack, several panels are solved at once. This header is
-// compiled for several SIMD levels, so it has templates and plain memory only and includes no other library.
+// Solves with A = L D L^T for a few columns of a panel at a time, by a compiled schedule, and row sums for error
+// bounds. Four rows are computed at a time, so that a row read from the cache is used four times. With a pack as value
+// type V (ldl_kernels.hpp), several panels are solved at once. This header includes no other library.
 
 #include "manycontact/sparse/ldl_kernels.hpp"
 
@@ -68,8 +67,7 @@ inline void forward_panel(const LdlSchedule& schedule, int block, int from, cons
 }
 
 /// Computes the R rows of a group in X <- L^-T D^-1 X, after all rows of larger index. l: the group's packed entries of
-/// L; inverse: inverse pivots. reached: whether the rows may be nonzero before the division by D. Calls store(row,
-/// tile).
+/// L. reached: whether the rows may be nonzero before the division by D. Calls store(row, tile).
 template <int R, int N, int M, class V, class Store>
 [[gnu::always_inline]] inline void backward_rows(const LdlSchedule::Group& group, const LdlSchedule::Segment* segments,
                                                  const V* l, const V* inverse, bool reached, V* X, Store&& store) {
@@ -97,10 +95,9 @@ template <int R, int N, int M, class V, class Store>
   }
 }
 
-/// X <- A^-1 X for an n x N panel X in A's order, M columns in registers at a time. packed: entries of L from ldl_pack;
-/// inverse: inverse pivots. Rows without a flag in `reached` (ldl_scheduled_reach) are zero before the division by D;
-/// rows of a block without any flag may have any value. Calls store(k, row k of the solution as a tile of M columns),
-/// as soon as row k is known.
+/// X <- A^-1 X for an n x N panel X in A's order, M columns in registers at a time. packed: from ldl_pack. Rows without
+/// a flag in `reached` (ldl_scheduled_reach) are zero before the division by D; blocks without any flag may have any
+/// value. Calls store(k, row k of the solution, a tile of M columns) as soon as row k is known.
 template <int N, int M = N, class V, class Store>
 inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* packed, const V* inverse,
                           const char* reached, V* X, Store&& store) {
@@ -129,18 +126,16 @@ inline void solve_columns(const LdlSchedule& schedule, const V* Lx, const V* pac
 
 }  // namespace kernel
 
-/// Copies entries of L to `packed`, in the order of LdlSchedule::packed.
 template <class V>
-void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {
+void ldl_pack(const LdlSchedule& schedule, const V* Lx, V* packed) {  // the order of LdlSchedule::packed
   const int* slot = schedule.packed.data();
   const int count = static_cast<int>(schedule.packed.size());
   for (int k = 0; k < count; ++k) packed[k] = slot[k] < 0 ? V{} : Lx[slot[k]];
 }
 
-/// Computes the sums of the rows of |L||D||L^T| and of |A| (n each). For the value type V see ldl_kernels.hpp.
 template <class V>
 void ldl_row_sums(const UpperCsc& A, const V* Ax, const LdlSymbolic& symbolic, const V* Lx, const V* D, V* of_factor,
-                  V* of_A) {
+                  V* of_A) {  // sums of the rows of |L||D||L^T| and of |A|
   const int *p = A.p.data(), *row = A.i.data(), *Lp = symbolic.Lp.data(), *Li = symbolic.Li.data();
   for (int k = 0; k < A.n; ++k) of_factor[k] = of_A[k] = V{};
   for (int j = 0; j < A.n; ++j) {

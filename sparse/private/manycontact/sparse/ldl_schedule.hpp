@@ -1,12 +1,8 @@
 #pragma once
-// The numeric phase of A = L D L^T for ldl_kernels.hpp, compiled to lists of L's entries that each step reads and
-// writes.
-//
-// Columns of L whose patterns nest (a chain of joints, a base, the rows of a contact) form a block. Within a block,
-// rows are numbered as in its first column: the block's own columns, then the rows below. The columns start with a
-// dense triangle. The entry of
-//
-//   row r > c in the block's column c is Lx[Lp[first + c] + r - c - 1].
+// The numeric phase of A = L D L^T for ldl_kernels.hpp, as lists of L's entries that each step reads and writes.
+// Columns of L whose patterns nest (a chain of joints, a base, the rows of a contact) form a block. Its rows are
+// numbered as in its first column: the block's own columns, then the rows below. Row r > c in the block's column c is
+// Lx[Lp[first + c] + r - c - 1].
 //
 // The rows below a block are divided into runs: consecutive rows within one other block T. A run's rows, and the rows
 // after them, appear in T in the same order, in few contiguous stretches: the run's targets.
@@ -19,7 +15,6 @@
 
 namespace manycontact::sparse {
 
-/// The schedule of a pattern. It is constant, and all matrices with that pattern share it.
 struct LdlSchedule {
   /// Rows begin ... end-1 below a block: rows row, row + 1, ... of A, which are columns of block T with first column
   /// `first`. The positions in T of these and all later rows are targets[target] ... targets[target_end-1].
@@ -61,16 +56,14 @@ struct LdlSchedule {
   std::vector<Segment> segments;
   std::vector<int> packed;  // slots of L for groups; -1: a zero
 
-  /// Whether the schedule is compiled; false if compile_ldl found that it would need too much memory.
-  bool compiled() const { return !Lp.empty(); }
+  bool compiled() const { return !Lp.empty(); }  // false: it would need too much memory
   int nonzeros() const { return Lp.back(); }
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;
 };
 
-/// Compiles the schedule of A from its analysis. If few columns nest, so that the targets would take more than four
-/// times the memory of L, the result is not compiled: SuiteSparse's numeric phase needs no such lists. columns: number
-/// of columns to eliminate; the rest of L and D is the Schur complement, with its diagonal in D.
+/// Compiles the schedule of A for the elimination of `columns` columns; the rest of L and D is the Schur complement,
+/// with its diagonal in D. If the targets would take more than four times the memory of L, the result is not compiled.
 LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& symbolic, int columns = std::numeric_limits<int>::max());
 
 }  // namespace manycontact::sparse

@@ -15,12 +15,10 @@ struct TooLarge : std::bad_alloc {
   char text_[120];
 };
 
-/// Memory for doubles, aligned to a cache line; long arrays are in large pages if the system has them. Growing discards
-/// the stored values.
+/// Memory for doubles, aligned to a cache line, in large pages if possible. Growing discards the stored values.
 class LargeMemory {
  public:
-  /// Ensures memory for `count` doubles; allocates only if there is memory for fewer.
-  void reserve(std::size_t count);
+  void reserve(std::size_t count);  // allocates only if there is memory for fewer doubles
   double* data() const { return data_.get(); }
 
  private:
@@ -31,7 +29,6 @@ class LargeMemory {
   std::size_t size_ = 0;
 };
 
-/// Throws TooLarge if `bytes` exceed this machine's memory.
-void require_memory(double bytes);
+void require_memory(double bytes);  // throws TooLarge if `bytes` exceed this machine's memory
 
 }  // namespace manycontact::sparse

@@ -9,7 +9,6 @@ namespace manycontact::sparse {
 /// with a smaller set[row] come before rows with a larger one. set: n values in 0 ... n-1, or empty for no constraint.
 std::vector<int> camd_order(const UpperCsc& A, const std::vector<int>& set);
 
-/// Returns the inverse permutation iperm, with iperm[perm[k]] = k.
-std::vector<int> inverse(const std::vector<int>& perm);
+std::vector<int> inverse(const std::vector<int>& perm);  // iperm, with iperm[perm[k]] = k
 
 }  // namespace manycontact::sparse

@@ -1,6 +1,7 @@
 #pragma once
-// Kernels on sparse factors and on row-major panels of doubles. They are compiled for several SIMD levels, and one
-// level is chosen at run time. Results of different levels agree up to rounding errors.
+// Kernels on sparse factors and on row-major panels of doubles with row stride ld, compiled for several SIMD levels,
+// one of which is chosen at run time. Results of different levels agree up to rounding errors. In functions from
+// upper_product on, ld is a multiple of eight, at least cols.
 
 #include <cstddef>
 #include <span>
@@ -15,9 +16,8 @@ constexpr int padded(std::ptrdiff_t n) { return static_cast<int>((n + 7) / 8 * 8
 struct PanelKernels {
   const char* name;
   int columns;  // columns of a panel that are computed at a time
-  /// Computes ldl_scheduled_factor (ldl_kernels.hpp) for doubles. A row whose pivot is at most least[k] scale[k] is not
-  /// eliminated, as in ldl_factor_by_rows (ldl.hpp); least may be nullptr. The factorization ends with the block in
-  /// which the number of such rows exceeds `most`.
+  /// ldl_scheduled_factor (ldl_kernels.hpp), where a row with a pivot of at most least[k] scale[k] is not eliminated.
+  /// least may be nullptr. The factorization ends with the block in which the number of such rows exceeds `most`.
   void (*factor)(const LdlSchedule& schedule, const double* Ax, const double* least, int most, double* Lx, double* D,
                  double* scale);
   /// Compute ldl_scheduled_solve (ldl_kernels.hpp) for doubles, and residual (upper_csc.hpp).
@@ -27,18 +27,15 @@ struct PanelKernels {
   /// X <- A^-1 X, arguments as in ldl_solve_panel (ldl.hpp). work: work_size(schedule) doubles.
   void (*solve)(const LdlSchedule& schedule, const double* Lx, const double* D, const int* row, double* X, int ld,
                 int first, int cols, char* nonzero, double* work);
-  /// Overwrites right-hand sides B, given in X, with A^-1 B, refined once by X + A^-1 (B - A X). The other arguments
-  /// are those of `solve`.
+  /// Overwrites right-hand sides X = B with A^-1 B, refined once by X + A^-1 (B - A X); arguments as in `solve`.
   void (*solve_refined)(const LdlSchedule& schedule, const UpperCsc& A, const double* Ax, const double* Lx,
                         const double* D, const int* row, double* X, int ld, int first, int cols, char* nonzero,
                         double* work);
   /// B -= A X in columns 0 ... cols-1 of panels with row stride ld; row k of A is row row[k] of X and B.
   void (*residual)(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
-  /// Computes the upper triangle of H = L^T R, in blocks of eight rows from the diagonal on. L, R: depth x ld; H: ld x
-  /// ld. cols: used columns of L, R and H, with ld >= cols a multiple of eight.
+  /// Computes the upper triangle of H = L^T R (ld x ld; L, R: depth x ld) in blocks of eight rows, in `cols` columns.
   void (*upper_product)(const double* L, const double* R, int depth, int cols, int ld, double* H);
-  /// H = L^T R. L: depth x ldl, of which the first `rows` columns are used. R: depth x ld, H: rows x ld, of which the
-  /// first `cols` columns are used, with ld >= cols a multiple of eight.
+  /// H = L^T R, with the first `rows` columns of L (depth x ldl) and the first `cols` columns of R (depth x ld) and H.
   void (*product)(const double* L, int ldl, const double* R, int depth, int rows, int cols, int ld, double* H);
   /// Computes `product`, with row k of R at R + from[k] ld and row i of H at H + to[i] ld. non_temporal: stores bypass
   /// the caches, as H is larger than these. H must then start at a cache line, and ld be a multiple of eight.
@@ -55,9 +52,7 @@ struct PanelKernels {
   }
 };
 
-/// Returns the kernels of the widest SIMD level that this processor supports.
-const PanelKernels& panel_kernels();
-/// Returns the kernels of all SIMD levels of this build that the processor supports, the widest first.
-std::span<const PanelKernels* const> panel_levels();
+const PanelKernels& panel_kernels();                  // the widest level that the processor supports
+std::span<const PanelKernels* const> panel_levels();  // all levels the processor supports, the widest first
 
 }  // namespace manycontact::sparse

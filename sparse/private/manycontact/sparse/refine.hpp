@@ -1,6 +1,5 @@
 #pragma once
-// Iterative refinement of A x = b for any scalar and right-hand side (vector, panel, dense matrix). The caller computes
-// residuals and corrections. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
+// Iterative refinement of A x = b. Source: Higham, Accuracy and Stability of Numerical Algorithms (2002), ch. 12.
 
 #include <span>
 
@@ -12,10 +11,8 @@ struct Refinement {
 };
 
 /// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
-/// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
-///
-/// residual() must compute r = b - A x and return the relative size of r, which is also a double if x is of a wider
-/// scalar. NaN ends the refinement. It is called steps + 1 times, the last time after the last correction.
+/// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept. residual()
+/// must compute r = b - A x and return its relative size; it is called steps + 1 times, and NaN ends the refinement.
 /// correct() must compute x += A^-1 r.
 template <class Residual, class Correct>
 Refinement refine(int max_steps, double small, Residual&& residual, Correct&& correct) {

@@ -12,8 +12,7 @@ namespace manycontact::sparse {
 std::vector<char> nearly_nested(const std::vector<int>& parent, const std::vector<int>& counts);
 
 void relax_supernodes(LdlSymbolic& L);
-/// Relaxes L such that its leading columns have the entries of `leading`, which is the relaxed analysis of the leading
-/// rows and columns of the same matrix.
+/// Relaxes L such that its leading columns are those of `leading`, the relaxed analysis of the leading submatrix.
 void relax_supernodes(const LdlSymbolic& leading, LdlSymbolic& L);
 
 }  // namespace manycontact::sparse

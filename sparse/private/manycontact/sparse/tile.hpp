@@ -1,7 +1,6 @@
 #pragma once
-// Tiles of N values, which are doubles in SIMD registers or packs with one double per robot of a SIMD batch, and the
-// operations that the kernels need. This header is compiled for several SIMD levels, so it has templates and plain
-// memory only and includes no other library.
+// Tiles of N values: doubles in SIMD registers, or packs with one double per robot of a SIMD batch. This header is
+// compiled for several SIMD levels, so it has templates and plain memory only and includes no other library.
 
 #include <cstddef>
 #ifdef __SSE2__
@@ -88,7 +87,6 @@ struct Register<8> {
   typedef double Vector __attribute__((vector_size(64), aligned(8), may_alias));
 };
 
-/// A tile of N doubles in SIMD registers.
 template <int N>
 requires(N > 1) struct Tile<double, N> {
   // Tiles of at most 8 doubles are soon loaded again, shifted by one row. An 8-wide load would wait for two stores.
@@ -137,8 +135,7 @@ requires(N > 1) struct Tile<double, N> {
   void store(double* x) const {
     for (int k = 0; k < kVectors; ++k) *reinterpret_cast<Vector*>(x + kWidth * k) = v[k];
   }
-  /// Stores the tile directly to memory, without the caches. x must be aligned to a register. Other threads see the
-  /// values after finish_streams.
+  /// Stores the tile past the caches. x: aligned to a register. Other threads see the values after finish_streams.
   void stream(double* x) const {
 #ifdef __SSE2__
     for (int k = 0; k < kVectors; ++k) {
@@ -178,8 +175,7 @@ inline void finish_streams() {
 #endif
 }
 
-/// Prefetches, during a sweep over one matrix, the same entries of the next matrix, which has the same pattern, is
-/// `bytes` further in memory, and is no longer in the nearest cache. NoPrefetch, the default, prefetches nothing.
+/// Prefetches the same entries of the next matrix, which has the same pattern and is `bytes` further in memory.
 struct PrefetchNext {
   std::ptrdiff_t bytes;
   template <class V>
@@ -198,20 +194,17 @@ struct NoPrefetch {
   void fetch_to_write(const V*) const {}
 };
 
-/// Number of rows computed at a time; the rows that remain are computed in chunks of half the size, and so on.
 template <class V>
-inline constexpr int kRows = 4;
+inline constexpr int kRows = 4;  // rows at a time; chunks of half the size, and so on, take the rest
 template <>
 inline constexpr int kRows<double> = 8;
 
-/// A number as a type.
 template <int N>
-struct Size {
+struct Size {  // a number as a type
   static constexpr int value = N;
 };
-/// Calls f(first, Size<n>) for chunks of rows begin ... end-1, with chunk sizes n = N, N/2, ..., 1.
 template <int N, class F>
-inline void in_chunks(int begin, int end, F&& f) {
+inline void in_chunks(int begin, int end, F&& f) {  // calls f(first, Size<n>) for n = N, N/2, ..., 1
   for (; end - begin >= N; begin += N) f(begin, Size<N>{});
   if constexpr (N > 1) in_chunks<N / 2>(begin, end, f);
 }

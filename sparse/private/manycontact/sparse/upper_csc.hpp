@@ -1,5 +1,4 @@
 #pragma once
-// Symmetric sparse matrices, stored as their upper triangle in compressed column format.
 
 #include <vector>
 
@@ -12,13 +11,10 @@ struct UpperCsc {
   std::vector<int> i;
 
   int nonzeros() const { return static_cast<int>(i.size()); }
-  /// Returns the position in `i` of entry (row, col), row <= col, or -1 if the pattern lacks the entry. A binary
-  /// search, for set-up only.
-  int slot(int row, int col) const;
+  int slot(int row, int col) const;  // position in `i` of entry (row, col), row <= col, or -1; for set-up only
 };
 
-/// Returns the pattern with the diagonal and the given entries (row, col), which may be in any order and triangle, and
-/// may be repeated.
+/// Returns the pattern with the diagonal and the given entries (row, col), in any order and triangle, also repeated.
 UpperCsc make_pattern(int n, std::vector<std::pair<int, int>> entries);
 
 /// Returns the pattern of P A P^T, in which entry (i, j) of A moves to (iperm[i], iperm[j]).
@@ -30,7 +26,6 @@ void residual(const UpperCsc& A, const double* Ax, const double* x, const double
 /// B <- B - A X for row-major panels of `cols` columns with row stride ld; row k of A is row row[k] of X and B.
 void residual_panel(const UpperCsc& A, const double* Ax, const int* row, const double* X, double* B, int ld, int cols);
 
-/// Returns |A|_1, the largest column sum of magnitudes of the whole symmetric matrix. work: n numbers of scratch.
-double norm_1(const UpperCsc& A, const double* Ax, double* work);
+double norm_1(const UpperCsc& A, const double* Ax, double* work);  // |A|_1 of the whole matrix; work: n numbers
 
 }  // namespace manycontact::sparse

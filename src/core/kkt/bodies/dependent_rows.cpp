@@ -35,15 +35,14 @@ void find_bases(const BodySystem& s, std::vector<Basis>& bases) {
   }
 }
 
-// Returns the norm of the projection of a force F on a body onto the basis of the body's motions, relative to |F|. It
-// is zero if F drives no joint.
+// Returns the norm of a force F's projection onto the body's motions, relative to |F|; zero if F drives no joint.
 double moved_by(const V6& F, const Basis& basis) {
   double sum = 0;
   for (int k = 0; k < basis.rank; ++k) sum += std::pow(basis.Q.col(k).dot(F), 2);
   return std::sqrt(sum) / F.norm();
 }
 
-// Calls use(row) for each row whose entries in J are rounding errors; ends if use returns false. s.delta > 0: no calls.
+// Calls use(row) for each row whose entries in J are rounding errors, until use returns false. s.delta > 0: no calls.
 template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
@@ -76,9 +75,8 @@ void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& us
 // Whether one end of a row is immovable, i.e. in the world or on a fixed base.
 bool stands(const BodyPattern& p, int row) { return p.A[row] < 0 || p.B[row] < 0; }
 
-// Computes coefficients of rows with which their forces balance each other: the forces cause no torque at the joints
-// between the rows' bodies, and add up to zero at the last body. Rows are few but joints may be many, so that equations
-// are reduced to triangular form whenever the memory for them is full.
+// Computes row coefficients whose forces balance: they cause no torque at the joints between the rows' bodies, and add
+// up to zero at the last body. The equations are reduced to triangular form whenever their memory is full.
 class Balance {
  public:
   Balance(const BodySystem& system, int row) : s_(system), node_(std::max(s_.pattern->A[row], s_.pattern->B[row])) {
@@ -86,8 +84,7 @@ class Balance {
   }
 
   int node() const { return node_; }
-  /// Adds a row with an end on the current node. Returns false if there are too many rows.
-  bool add(int row) {
+  bool add(int row) {  // false: too many rows
     if (count_ == kRows) return false;
     row_[count_] = row;
     F_[count_++] = s_.pattern->A[row] == node_ ? s_.GA.col(row) : s_.GB.col(row);
@@ -101,8 +98,7 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Solves the equations and calls put(row, coefficient) for each row, with coefficient 1 for the first row. Returns
-  /// false if the rows' forces cannot balance.
+  /// Solves, and calls put(row, coefficient) for each row, 1 for the first. Returns false if the forces cannot balance.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -147,9 +143,8 @@ class Balance {
   double largest_ = 0;
 };
 
-// Computes the null-space column of a dropped row from other rows on the bodies between the row's own node and
-// drop.node. It uses rows with an immovable end that were not dropped at drop.node or earlier. Returns false if these
-// rows do not balance the dropped row.
+// Computes the null-space column of a dropped row from rows with an immovable end, not dropped at drop.node or earlier,
+// on the bodies from its own node to drop.node. Returns false if these do not balance it.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -167,8 +162,7 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// Computes the null space, one column per dropped row, from the last dropped row to the first. If a column has an entry
-// in a row that was dropped later, a multiple of that row's column removes the entry.
+// Computes the null space, a column per dropped row, the last first; removes entries in rows dropped later.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
   rank::DependentRows& rows = work.rows;
@@ -211,8 +205,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Subtracts from x.rows the accelerations of the rows that b.motion causes if all qdd are zero. Sets x.motion to the
-// accelerations of the bodies.
+// Sets x.motion to the bodies' accelerations for b.motion and qdd = 0, and subtracts the rows' from x.rows.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -223,7 +216,7 @@ void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   }
 }
 
-// Computes x.force, the forces of joints on bodies, from the accelerations and contact forces in x.
+// Computes x.force, the joints' forces on bodies, from the accelerations and contact forces in x.
 void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -235,8 +228,7 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Lists in `rows` the redundant rows among those between node i and immovable bodies: rows spanned by the others, which
-// are selected by the largest remainder first.
+// Lists in `rows` the redundant rows from node i to immovable bodies: others, chosen by largest remainder, span them.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -303,7 +295,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The backward error is computed again, as the bodies' forces were computed again, with other rounding errors.
+  // The bodies' forces were computed again, with other rows: the backward error has other rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },
@@ -318,8 +310,7 @@ std::pair<double, double> row_terms_of_joints(const BodySystem& s, BodySolve& v)
   const BodyPattern& p = *s.pattern;
   v.dx.rows = v.b.rows;
   take_away(s, v.b, v.dx);
-  // size[i] bounds the terms of the body's acceleration: |X| times the parent's size plus |S| |qdd|. Terms of different
-  // joints that cancel do not reduce it.
+  // size[i] bounds the terms of a body's acceleration without cancellation: |X| times the parent's size plus |S| |qdd|.
   auto& size = v.dx.motion;
   for (int i = 0; i < p.nodes; ++i) {
     size[i].setZero();

@@ -27,16 +27,14 @@ sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolv
       [&] {
         backward_sweep(system, ldl, v.residual.r);
         error = correct_bodies(system, ldl, v.b, v.dx, v.x, v.residual);
-        // The error may be that of equations whose terms are tiny relative to those of others, which backward_error
-        // takes into account.
+        // Equations may have terms tiny relative to those of others, which backward_error takes into account.
         if (error > tolerance::kRefined) error = backward_error(system, v.b, v.x, v.residual);
       });
 }
 
 namespace {
 
-// Returns the normwise backward error of a column. Its componentwise error would be too large if some entries are only
-// rounding errors of other entries.
+// A column's normwise backward error. Its componentwise error is too large if entries are rounding errors of others.
 double normwise(const BodyResidual& r) {
   const double left = std::max(r.dynamics, r.contact);
   return left == 0 ? 0 : left / std::max(r.dynamics_scale, r.contact_scale);

@@ -75,7 +75,6 @@ void add_shifted(const M6& P, const Vec3<double>& r, M6& Q) {
   add(5, P.col(5) + (x * P.col(1) - y * P.col(0)));
 }
 
-// Sets Q to the 6 x 6 matrix of the inertia Y.
 void set(const Inertia<double>& Y, M6& Q) {
   using pairs::Two;
   const double m = Y.m, x = Y.h[0], y = Y.h[1], z = Y.h[2];
@@ -88,7 +87,7 @@ void set(const Inertia<double>& Y, M6& Q) {
   column(5, Two{-y, x}, Two{0, Y.I(0, 2)}, Two{Y.I(1, 2), Y.I(2, 2)});
 }
 
-// Appends row k to the rows at a node, with zero entries, and returns its position there.
+// Appends row k to a node's rows, with zero entries, and returns its position there.
 int open_row(Rows& at, int k, std::vector<int>& place) {
   const int n = at.m++;
   at.row[n] = k;
@@ -97,7 +96,7 @@ int open_row(Rows& at, int k, std::vector<int>& place) {
   return place[k] = n;
 }
 
-// Collects the rows that are open at node i: rows with an end there, and rows that its children did not eliminate.
+// Collects the rows open at node i: those with an end there, and those that its children did not eliminate.
 void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   const BodyPattern& s = *system.pattern;
   d.count[i] = 0;
@@ -187,8 +186,7 @@ void exchange(Rows& at, int ndof, int i, int j) {
   for (int k = 0; k < at.m; ++k) std::swap(at.e(k, i), at.e(k, j));
 }
 
-// Returns the compliance of a free body along the row G, approximated with the diagonal of P in place of P. inverse:
-// the reciprocals of this diagonal.
+// Returns a free body's compliance along G, with P's diagonal in place of P; inverse: reciprocals of this diagonal.
 double compliance(const V6& G, const V6& inverse) {
   pairs::Two sum{0, 0};
   for (int j = 0; j < 6; j += 2) {
@@ -199,12 +197,11 @@ double compliance(const V6& G, const V6& inverse) {
   return sum[0] + sum[1];
 }
 
-// Returns the least sound pivot of a row, relative to the terms that joints contributed to it. Rows eliminated before
-// have stiffened bodies by up to d.growth, and rounding errors grow with its square. Errors of the joints' terms grow
-// with the ratio of the joints' largest to smallest inertia. A small earlier pivot enlarges errors of later rows by its
-// inverse (rank/pivots.hpp). least: the smallest earlier pivot, relative to its terms, at this node and, if rows were
-// dropped in its subtree, in the subtree. Other pivots in the subtree do not count: in loops along a chain they become
-// ever smaller, yet are accurate.
+// Returns the least sound pivot of a row relative to the terms that joints contributed. Rounding errors grow with the
+// square of d.growth, the stiffening by earlier rows, and with the ratio of the joints' largest to smallest inertia. A
+// small earlier pivot enlarges errors by its inverse (rank/pivots.hpp). least: the smallest earlier pivot, relative to
+// its terms, at this node or, if rows were dropped, in its subtree. Others in the subtree become ever smaller in loops
+// along a chain, yet are accurate, and do not count.
 double least_left(const BodyLdl& d, int row, double least) {
   const double spread = d.most_inertia[row] / d.least_inertia[row];
   const double own = std::clamp(tolerance::kRowRounding * std::max(d.growth * d.growth, spread), tolerance::kPivotLeft,
@@ -214,9 +211,9 @@ double least_left(const BodyLdl& d, int row, double least) {
 
 double least_below(const BodyLdl& d, int i) { return d.drops_below[i] ? d.least_kept[i] : 1; }
 
-// Eliminates those complete rows at node i whose pivots are large enough, the largest pivot first, and moves them to
-// the first positions. A row is complete if both its bodies are in the node's subtree. Returns false if no remaining
-// row has a sound pivot, and the rows cannot wait.
+// Eliminates those complete rows (both bodies in the subtree) at node i with sound pivots, the largest first, and moves
+// them to the first positions. Returns false if no remaining row has a sound pivot and they may not stay open, because
+// they are too many or no joint is nearer the base.
 bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   const V6 inverse_P = d.P[i].diagonal().cwiseInverse();
   int done = 0;
@@ -257,7 +254,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   return true;
 }
 
-// Factorizes the dense system E y = -g of the rows still open at the bases. Returns false if a pivot is not sound.
+// Factorizes the dense E y = -g of rows still open at the bases. Returns false if a pivot is not sound.
 bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
@@ -310,8 +307,7 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
 
-// Replaces C by N C N and G_j by N G_j at node i, if it has rows that constrain it (BodyHold). drop: whether rows are
-// dropped that depend on those rows.
+// Replaces C by N C N, G_j by N G_j at a constrained node i (BodyHold). drop: drops rows that depend on its rows.
 void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;

@@ -1,7 +1,6 @@
 #pragma once
-// The functions motion_at and force_from (algorithm/body_kinematics.hpp) and the product of an inertia and a motion,
-// for doubles, with the same results bit by bit. They write six-vectors in pairs of entries. Eigen reads them in pairs,
-// and reading a pair stalls after its entries were written separately.
+// Bitwise equal versions of motion_at, force_from (algorithm/body_kinematics.hpp) and inertia times motion, for
+// doubles. They write entries in pairs, as Eigen reads them: reading a pair after separate writes stalls.
 
 #include <cstring>
 
@@ -17,7 +16,6 @@ inline Two load(const double* x) {
   return t;
 }
 
-/// Builds a six-vector from three pairs.
 [[gnu::always_inline]] inline Vec6<double> joined(Two a, Two b, Two c) {
   Vec6<double> out;
   std::memcpy(out.data(), &a, sizeof(a));
@@ -28,7 +26,6 @@ inline Two load(const double* x) {
 
 inline void store(Two t, double* x) { std::memcpy(x, &t, sizeof(t)); }
 
-/// Computes y += x.
 [[gnu::always_inline]] inline void add(const Vec6<double>& x, Vec6<double>& y) {
   for (int k = 0; k < 6; k += 2) store(load(y.data() + k) + load(x.data() + k), y.data() + k);
 }
@@ -60,7 +57,6 @@ inline Two max(Two x, Two y) { return x < y ? y : x; }
   return force_from(f.data(), r);
 }
 
-/// Returns the product Y a of an inertia and a motion.
 [[gnu::always_inline]] inline Vec6<double> times(const Inertia<double>& Y, const Vec6<double>& a) {
   const double v0 = a[0], v1 = a[1], v2 = a[2], w0 = a[3], w1 = a[4], w2 = a[5];
   const double h0 = Y.h[0], h1 = Y.h[1], h2 = Y.h[2], *I = Y.I.data();

@@ -37,8 +37,7 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// Performs one step of the sweep from the leaves to the root: eliminates the joint and rows of node i from the
-// right-hand sides. Returns the p that the node passes to its parent, and updates g of its open rows.
+// Eliminates joint and rows of node i from the right-hand sides, updates g of open rows, and returns p for the parent.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -112,7 +111,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
-// Computes y of the rows that are open at the bases, by their dense factor, and sets y of dropped rows to zero.
+// Computes y of the rows open at the bases, by their dense factor, and sets y of dropped rows to zero.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());

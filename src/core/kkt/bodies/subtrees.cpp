@@ -11,8 +11,7 @@ bool is_held_by_six(const BodyPattern& p, int i) {
   return p.hold[i] >= 0 && p.own_first[p.hold[i] + 1] - p.own_first[p.hold[i]] == 6;
 }
 
-// Flags bodies at which trees can be cut: six rows constrain the body, and no other row couples the subtree below it
-// with a body outside.
+// Flags bodies at which trees can be cut: six rows constrain them, and no other row couples their subtree to others.
 std::vector<char> find_cuts(const BodyPattern& p) {
   std::vector<char> cut(p.nodes, 0);
   for (int i = 0; i < p.nodes; ++i) cut[i] = is_held_by_six(p, i);

@@ -45,8 +45,7 @@ using pairs::Two, pairs::max, pairs::sizes;
 
 double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
-// Computes the residual r of a body's motion equation a_i = X a_p + S_i qdd_i + c_i (kkt/bodies/system.hpp), and the
-// largest terms, linear and angular, as `scale`.
+// Computes the residual r of a_i = X a_p + S_i qdd_i + c_i, and its largest terms, linear and angular, as `scale`.
 template <int N>
 [[gnu::always_inline]] inline void motion_equation(const BodySystem& s, const BodyVectors& b, const BodyVectors& x,
                                                    int i, V6& r, Two& scale) {
@@ -96,7 +95,7 @@ void motion_terms(const BodySystem& s, const BodyVectors& b, const BodyVectors& 
   }
 }
 
-// Raises `largest` to x if x is larger. Here NaN has no effect, but it makes the sum of all residuals (sum_) NaN.
+// Raises `largest` to x if x is larger. NaN has no effect here, but makes the sum of all residuals (sum_) NaN.
 void take_largest(double& largest, double x) {
   if (x > largest) largest = x;
 }

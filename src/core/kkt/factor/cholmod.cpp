@@ -9,8 +9,7 @@ namespace manycontact {
 
 namespace {
 
-// Calls copy(x, b) for each entry x in columns first ... first+cols-1 of the row-major panel X and the corresponding
-// entry b of B, which is column-major with rows in elimination order.
+// Calls copy(x, b) for each entry x of a row-major panel's columns and its b of B: column-major, elimination order.
 template <class Copy>
 void each_entry(const KktPattern& p, double* X, int ld, int first, int cols, std::vector<double>& B, Copy&& copy) {
   const std::size_t n = p.size();

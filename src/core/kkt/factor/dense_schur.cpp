@@ -10,8 +10,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the smallest ratio of a Cholesky pivot to its diagonal entry, or zero if a pivot is denormal, which has lost
-// its digits.
+// Returns the smallest ratio of a Cholesky pivot to its diagonal entry; zero if a pivot is denormal (without digits).
 double smallest_pivot(const Eigen::LLT<Eigen::MatrixXd>& llt, const Eigen::VectorXd& diagonal) {
   double ratio = 1;
   for (int k = 0; k < diagonal.size(); ++k) {
@@ -30,8 +29,7 @@ class DenseSchurFactor final : public Factor {
     inverted_ = false;
     internal::expand(K, M_, J_);
     if (!M_.allFinite() || !J_.allFinite()) return Reason::kNotFinite;
-    // Constructed again when the size changes: resizing by Eigen is not safe if memory runs out, and for an empty
-    // matrix Eigen leaves info() undefined.
+    // Not resized: if memory runs out, Eigen's resize is not safe, and for an empty matrix info() is undefined.
     if (llt_M_.rows() != K.nv()) llt_M_ = Eigen::LLT<Eigen::MatrixXd>(Eigen::MatrixXd::Identity(K.nv(), K.nv()));
     llt_M_.compute(M_);
     if (llt_M_.info() != Eigen::Success) return Reason::kSingularInertia;
@@ -64,8 +62,7 @@ class DenseSchurFactor final : public Factor {
     internal::join(*pattern_, a_, y_, x);
   }
 
-  // Multiplies by the explicit inverse of K, as Crocoddyl does.
-  void solve_panel(double* X, int ld, int first, int cols, char*) override {
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {  // the explicit inverse, as in Crocoddyl
     invert();
     auto panel = Eigen::Map<RowMajor>(X, pattern_->size(), ld).middleCols(first, cols);
     const RowMajor product = inverse_ * panel;
@@ -114,7 +111,7 @@ class DenseSchurFactor final : public Factor {
 
   std::shared_ptr<const KktPattern> pattern_;
   Eigen::MatrixXd M_, J_, Z_, S_, inverse_;  // nv x nv, nc x nv, L^-1 J^T, J M^-1 J^T + delta I, K^-1
-  // Initialised with a 1 x 1 matrix, as members of a default LLT are uninitialised, and copying them is undefined.
+  // members of a default LLT are uninitialised, and copying them is undefined
   Eigen::LLT<Eigen::MatrixXd> llt_M_{Eigen::MatrixXd::Identity(1, 1)}, llt_S_ = llt_M_;
   bool inverted_ = false;
   Eigen::VectorXd a_, y_;

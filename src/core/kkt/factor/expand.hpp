@@ -1,5 +1,4 @@
 #pragma once
-// Conversion of a sparse K to dense M and J.
 
 #include "manycontact/kkt/factor/factor.hpp"
 

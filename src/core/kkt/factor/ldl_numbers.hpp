@@ -10,8 +10,7 @@
 
 namespace manycontact::internal {
 
-/// The factors L and D of K, and solves with them. They use the pattern's compiled schedule if the method is kSparseLdl
-/// and the schedule is not too large.
+/// The factors L and D of K, and solves, by the compiled schedule for kSparseLdl if it is not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
   const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: functions of sparse/ldl.hpp
@@ -31,9 +30,8 @@ struct LdlNumbers {
     pattern = p;
   }
 
-  /// Computes L and D of the matrix with values Ax, and the magnitudes of the pivots' terms in scratch.scale. Returns
-  /// false if SuiteSparse's LDL ends at a zero pivot; otherwise the caller must check the pivots. least, most: which
-  /// rows are not eliminated (PanelKernels::factor).
+  /// Computes L, D of the matrix with values Ax, and pivots' terms in scratch.scale; least, most: see
+  /// PanelKernels::factor. False: SuiteSparse's LDL ended at a zero pivot. Otherwise the caller must check the pivots.
   bool factor(const double* Ax, const double* least, int most, FactorScratch& scratch) {
     if (scratch.scale.size() < D.size()) scratch.scale.resize(D.size());
     if (schedule) {
@@ -57,7 +55,6 @@ struct LdlNumbers {
     else
       sparse::ldl_solve(pattern->ldl, L.data(), D.data(), x);
   }
-  /// Implements Factor::solve_panel.
   void solve_panel(double* X, int ld, int first, int cols, char* nonzero) const {
     const int* perm = pattern->perm.data();
     if (schedule)
@@ -74,8 +71,7 @@ struct LdlNumbers {
     sparse::panel_kernels().solve(*schedule, L.data(), D.data(), same.data(), X, ld, 0, cols, nonzero.data(), work());
   }
 
-  /// Returns scratch memory for panels and their refinement. A thread's factors share it, so that it stays in the
-  /// cache.
+  /// Returns scratch memory for panels, shared by a thread's factors so that it stays in the cache.
   double* work() const {
     thread_local std::vector<double> memory;
     const std::size_t size = schedule ? sparse::panel_kernels().work_size(*schedule) : 2 * D.size();

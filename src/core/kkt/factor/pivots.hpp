@@ -1,5 +1,4 @@
 #pragma once
-// Checks of the pivots of an island's K (rank/pivots.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -32,8 +31,7 @@ inline Reason judge_pivots(const KktMatrix& K, const double* L, const double* D,
   return lost ? Reason::kSmallPivot : Reason::kNone;
 }
 
-/// Returns the growth of K's entries during elimination: the largest of the pivots' terms over the largest diagonal
-/// entry of K. terms: the magnitudes of the terms of each pivot.
+/// Returns the growth of K's entries: the largest of the pivots' `terms` over the largest diagonal entry.
 inline double growth_of(const KktMatrix& K, const double* terms) {
   const sparse::UpperCsc& A = K.pattern->K;
   double largest = 0, diagonal = 0;
@@ -44,8 +42,7 @@ inline double growth_of(const KktMatrix& K, const double* terms) {
   return diagonal > 0 ? largest / diagonal : 1;
 }
 
-/// Returns the size relative to which row k of J, in the island's order, is judged: scratch.row_scale[k] or, if that is
-/// not given, K.row_scale.
+/// Returns the size relative to which row k of J is judged: scratch.row_scale[k] or, without it, K.row_scale.
 inline double size_of_row(const KktMatrix& K, const FactorScratch& scratch, int k) {
   return scratch.row_scale.size() == static_cast<std::size_t>(K.nc()) ? scratch.row_scale[k] : K.row_scale;
 }

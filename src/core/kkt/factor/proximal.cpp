@@ -49,8 +49,7 @@ void ProximalFactor::start_probes() {
     }
 }
 
-// Returns the largest entry of J^T probes. An entry is relative to its terms, which are many on a body with many
-// contacts, or to the largest term of any row of J, if that is larger.
+// Returns the largest entry of J^T probes relative to its terms or, if larger, to the largest term of a row of J.
 double ProximalFactor::left_of_probes(const FactorScratch& scratch) {
   const KktPattern& p = *ldl_.pattern;
   double rows = 0, left = 0;

@@ -46,7 +46,6 @@ class ProximalFactor final : public Factor {
     return find_dependent_rows(scratch) && certify(scratch) ? Reason::kNone : Reason::kSmallPivot;
   }
 
-  // Applies the generalised inverse of K, with refinement.
   void solve(double* x) override {
     std::copy_n(x, b_.size(), b_.data());
     project_out(b_.data(), nullptr);
@@ -100,8 +99,7 @@ class ProximalFactor final : public Factor {
     ldl_.take(pattern, method());
   }
 
-  // Returns the largest diagonal entry of S, approximated with M's diagonal in place of M.
-  double largest_of_S() {
+  double largest_of_S() {  // approximated with M's diagonal
     const sparse::UpperCsc& A = ldl_.pattern->K;
     std::fill(r_.begin(), r_.end(), 0.0);
     for (int k = 0; k < A.n; ++k)
@@ -121,8 +119,7 @@ class ProximalFactor final : public Factor {
     (void)ldl_.factor(damped_.data(), nullptr, 0, scratch);
   }
 
-  // Checks the factor, and its growth. Pivots of M are checked as in other factors; pivots of rows of J need only be
-  // negative.
+  // Checks the factor and its growth: pivots of M as in other factors; those of J need only be negative.
   Reason judge(const double* scale) {
     growth_ = std::max(1.0, growth_of(*K_, scale));
     const sparse::UpperCsc& A = ldl_.pattern->K;
@@ -142,9 +139,8 @@ class ProximalFactor final : public Factor {
     stiffer_ = ldl_.D;
   }
 
-  // Lists the dependent rows in dropped_ by their pivots relative to delta or, if a pivot is ambiguous, by how pivots
-  // change with delta. Returns false if the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known
-  // already; this saves a factorization and does not change the result.
+  // Lists dependent rows in dropped_ by their pivots over delta or, if ambiguous, by their change with delta. False:
+  // the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known, which saves a factorization.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -164,11 +160,10 @@ class ProximalFactor final : public Factor {
     return compare_pivots(scratch.scale.data());
   }
 
-  // Lists the dependent rows in dropped_ by the exponents with which pivots grow with delta; false: the rank is in
-  // doubt. The product of all pivots is det M det (S + delta), with a factor delta for each zero eigenvalue of S. The
-  // exponents of delta in the pivots therefore add up to the number of dependent rows. Usually each exponent is 1 or 0.
-  // If some rows nearly depend on earlier rows, and later rows on all of them, their exponents are between 0 and 1, but
-  // the sum is an integer. Exponents within rounding error of 1 or 0 are rounded, so that their errors do not add up.
+  // Lists dependent rows in dropped_ by the exponents with which pivots grow with delta; false: the rank is in doubt.
+  // The product of pivots is det M det (S + delta), with a factor delta for each zero eigenvalue of S, so exponents add
+  // up to the number of dependent rows. Usually each is 1 or 0; rows that nearly depend on earlier rows have others.
+  // Those within rounding error of 1 or 0 are rounded, so that errors do not add up.
   bool compare_pivots(const double* terms) {
     const KktPattern& p = *ldl_.pattern;
     double sum = 0;

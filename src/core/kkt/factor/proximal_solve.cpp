@@ -1,4 +1,3 @@
-// Part of ProximalFactor (proximal.hpp): solves with vectors and panels, and the projector P on the null space of J^T.
 
 #include <optional>
 
@@ -57,8 +56,7 @@ void ProximalFactor::take_out_of_columns(int cols) {
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the null-space part of X_ until at most the fraction `left` of it remains. Rounding errors of each pass leave
-// the fraction `each`.
+// Removes the null-space part of X_ down to `left` of it; each pass leaves rounding errors of `each` of it.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -132,8 +130,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   return refinement;
 }
 
-// Removes from P b its rounding error in the range of J, by P b -= (J^T)^+ J^T P b. The inverse of the least eigenvalue
-// of S would amplify this error.
+// P b -= (J^T)^+ J^T P b removes rounding errors in J's range, which S's least eigenvalue would amplify.
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());
@@ -155,9 +152,8 @@ bool ProximalFactor::agrees(const KktVectors& v) const {
   return r <= tolerance::kProximalAgree * delta_ * f;
 }
 
-// Refines while each step at least halves the largest residual, which for M's rows and for J's rows is relative to the
-// largest terms before the first step. A componentwise error would show no progress at rest, where J's terms vanish
-// with their residuals.
+// Refines while a step halves the largest residual, which is relative to the largest terms before the first step, for
+// M's and for J's rows. A componentwise error shows no progress at rest, where J's terms vanish.
 sparse::Refinement ProximalFactor::refine(const KktMatrix& K, KktVectors& v) {
   std::optional<std::array<double, 2>> terms;
   double error = 0, first = 0;

@@ -10,10 +10,9 @@ namespace manycontact {
 
 namespace {
 
-// Removes rounding errors from P b, the inconsistent part of the contact rows of b, which is orthogonal to J's range.
-// In rows with large entries (rotations, if lengths are micrometres) P b is small and hidden by rounding errors of b. P
-// b -= (J^T)^+ J^T P b removes these. If this correction exceeds rounding errors, the dropped rows are only nearly
-// dependent, and P b is kept. v.x, v.r and v.scale are scratch here, as the solution is computed later.
+// Removes rounding errors from P b, the inconsistent part of b's contact rows, by P b -= (J^T)^+ J^T P b: in rows with
+// large entries (rotations, with lengths of micrometres) they hide P b. If this correction exceeds rounding, rows are
+// only nearly dependent, and P b is kept. v.x, v.r, v.scale: scratch.
 void refine_contradiction(Factor& factor, const KktMatrix& K, KktVectors& v) {
   using sparse::largest;
   const double missed = largest(v.null_component), size = std::max(largest(v.b), missed);

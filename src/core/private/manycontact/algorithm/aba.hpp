@@ -1,6 +1,5 @@
 #pragma once
-// Forward dynamics without contacts by the articulated-body algorithm. All quantities are in the tree frame, so that no
-// transformations are needed. Source: Featherstone (2008), table 7.1.
+// Articulated-body algorithm, all quantities in the tree frame. Source: Featherstone (2008), table 7.1.
 
 #include <span>
 

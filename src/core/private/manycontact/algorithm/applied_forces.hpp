@@ -16,9 +16,8 @@
 
 namespace manycontact {
 
-/// The external wrenches and springs of a scene at one state; allocate once per scene.
 template <class S>
-struct AppliedForces {
+struct AppliedForces {  // a scene's external wrenches and springs at one state; allocate once per scene
   explicit AppliedForces(const Scene& scene);
 
   struct OfRobot {                                    // a robot on which any of these forces acts
@@ -41,7 +40,7 @@ struct AppliedForces {
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes `f` of each robot, in the tree frame, at q (nq), v (nv). f is NaN for springs that are not `directed`.
+/// Computes each robot's `f` in the tree frame at q (nq), v (nv). f is NaN for springs that are not `directed`.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
@@ -51,8 +50,7 @@ template <class S>
 void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                         AppliedForces<S>& forces, S* tau);
 
-/// Scratch memory of one thread for displacements, velocities and adjoints of bodies; allocate it once.
-struct AppliedScratch {
+struct AppliedScratch {  // one thread's scratch; allocate it once
   explicit AppliedScratch(const AppliedForces<double>& forces);
   std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
 };
@@ -65,14 +63,12 @@ void add_applied_tangent(const Scene& scene, const double* v, const AppliedForce
                          std::span<const int> robots, const double* dq, const double* dv, const double* dw,
                          AppliedScratch& scratch, double* dtau);
 
-/// Adds (dtau/dq)^T l to wq and (dtau/dv)^T l to wv. Sets the entries of ww = (dtau/dw)^T l for wrenches on these
-/// robots, unless ww is nullptr.
+/// Adds (dtau/dq)^T l to wq, (dtau/dv)^T l to wv. Sets ww = (dtau/dw)^T l for these robots' wrenches if given.
 void add_applied_adjoint(const Scene& scene, const double* v, const AppliedForces<double>& forces,
                          std::span<const int> robots, const double* l, AppliedScratch& scratch, double* wq, double* wv,
                          double* ww);
 
-/// Magnitudes of terms of tau and its derivatives, relative to which rounding errors are judged. One number per
-/// velocity coordinate, i.e. per row.
+/// Magnitudes of terms of tau and its derivatives, relative to which rounding is judged: one per velocity coordinate.
 struct AppliedSizes {
   std::vector<double> tau;      // sum of the magnitudes of the terms of tau
   std::vector<double> q, v, w;  // bounds of these sums for any entry in a row of dtau/dq, dtau/dv, dtau/dw

@@ -10,14 +10,12 @@
 
 namespace manycontact {
 
-/// Overwrites M with its factor. Returns, in ascending order, the coordinates whose pivot is at most `least` times
-/// their diagonal entry of M (by default a rounding error). These coordinates are not eliminated; if there are any, the
-/// factor must not be used for solves. diagonal: scratch, nv.
+/// Overwrites M with its factor. Returns the coordinates, ascending, with a pivot of at most `least` times their
+/// diagonal entry (by default a rounding error). They are not eliminated; if any, do not solve. diagonal: scratch, nv.
 std::vector<int> factorize_inertia(const Model& model, double* M, double* diagonal,
                                    double least = 64 * std::numeric_limits<double>::epsilon());
 
-/// Overwrite X with M^-1 X, L^-T X or L^-1 X, respectively. All coordinates must have been eliminated. X: nv rows of
-/// `cols` numbers, row-major.
+/// X <- M^-1 X, L^-T X or L^-1 X, if all coordinates were eliminated. X: nv rows of `cols` numbers, row-major.
 void solve_inertia(const Model& model, const double* factor, int cols, double* X);
 void solve_inertia_transposed(const Model& model, const double* factor, int cols, double* X);
 void solve_inertia_unit(const Model& model, const double* factor, int cols, double* X);

@@ -8,20 +8,17 @@
 
 namespace manycontact {
 
-/// Whether any joint of the model has damping or friction.
 inline bool has_friction(const Model& model) { return model.damping.size() + model.friction.size() > 0; }
 
-/// Adds scale times tau_f to tau, for a robot's nv coordinates.
 template <class S>
-void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {
+void add_friction(const Model& model, const S* v, S* tau, double scale = 1) {  // tau += scale tau_f
   using std::tanh;
   for (Eigen::Index i = 0; i < model.damping.size(); ++i) tau[i] -= S(scale * model.damping[i]) * v[i];
   for (Eigen::Index i = 0; i < model.friction.size(); ++i)
     if (model.friction[i] != 0) tau[i] -= S(scale * model.friction[i]) * tanh(v[i] / S(kFrictionVelocity));
 }
 
-/// Returns -d tau_f / dv of coordinate i at velocity v.
-inline double friction_slope(const Model& model, int i, double v) {
+inline double friction_slope(const Model& model, int i, double v) {  // -d tau_f / dv
   double slope = model.damping.size() > 0 ? model.damping[i] : 0;
   if (model.friction.size() == 0 || model.friction[i] == 0) return slope;
   const double c = std::cosh(v / kFrictionVelocity);

@@ -1,6 +1,5 @@
 #pragma once
-// The parameters of robots that algorithms read. A single robot has those of its model; in a SIMD batch, robots with
-// different models may have a set of parameters each.
+// The parameters of robots that algorithms read: the model's, or in a SIMD batch possibly a set for each robot.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 

@@ -1,14 +1,12 @@
 #pragma once
-// Products with the derivatives of RNEA, ID(q, v, qdd), without matrices: one forward and one backward recursion,
-// linear in the bodies. All motions are in the tree frame. A displacement dq moves body i by xi_i, the sum of S_j dq_j
-// along its chain. Source: forward and reverse modes of Featherstone's RNEA in an inertial frame; derivation ours.
+// Products with derivatives of RNEA, ID(q, v, qdd), in time linear in the bodies, in the tree frame. Along dq, body i
+// moves by xi_i, the sum of S_j dq_j along its chain. Source: forward and reverse modes of RNEA; derivation ours.
 
 #include "manycontact/detail/algorithm/kinematics.hpp"
 
 namespace manycontact {
 
-/// Changes of one body's placement and motion along a direction (dq, dv). In adjoint functions, the members are the
-/// gradients with respect to these quantities, which transform as forces.
+/// Changes of a body's placement and motion along (dq, dv) or, in adjoint functions, gradients with respect to these.
 template <class S>
 struct BodyVariationOf {
   Vec6<S> xi, u, v, a;  // displacement; virtual velocity (adjoint only); velocity; acceleration
@@ -21,8 +19,7 @@ template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
 
-/// Computes dtau (nv), the change of ID, the backward pass of the tangent. motion: from tangent_motions. fext, dfext:
-/// external forces and their changes. f, df: scratch.
+/// Backward pass: dtau (nv), the change of ID. motion: tangent_motions; fext, dfext: external forces, their changes.
 template <class S>
 void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
                      const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,
@@ -38,9 +35,8 @@ template <class S>
 void add_body_adjoints(const Model& model, const Kinematics<S>& kin, const std::vector<Vec6<S>>& u,
                        std::vector<BodyVariationOf<S>>& adjoint);
 
-/// Computes the gradients wq and wv (nv each) of a scalar with respect to q and v. The scalar depends on q and v
-/// through the bodies' xi, u, v, a, and `adjoint` has its gradients with respect to these. qdd, and w in u, are
-/// constant. Overwrites `adjoint` with sums over subtrees.
+/// Computes the gradients wq, wv (nv) of a scalar from `adjoint`, its gradients with respect to the bodies' xi, u, v,
+/// a, at constant qdd and w. Overwrites `adjoint` with sums over subtrees.
 template <class S>
 void pull_back(const Model& model, const Kinematics<S>& kin, const S* qdd, const std::vector<Vec6<S>>& u,
                std::vector<BodyVariationOf<S>>& adjoint, S* wq, S* wv);

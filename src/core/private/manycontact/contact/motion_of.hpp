@@ -57,10 +57,9 @@ void each_contact_at(const Scene& scene, const std::vector<char>& active, const 
   }
 }
 
-/// Calls look(c, rows) for each contact c flagged `active`, with the contact's rows at q, v, but without J.
 template <class Look>
 void each_contact_at(const Scene& scene, const std::vector<char>& active, const Eigen::Ref<const Eigen::VectorXd>& q,
-                     const double* v, Look&& look) {
+                     const double* v, Look&& look) {  // calls look(c, rows), without J
   each_contact_at(
       scene, active, q, v, [](const Contact&) { return ContactSupport(); },
       [&](int c, const ContactSupport&, const ContactData<double>& rows) { look(c, rows); });

@@ -3,9 +3,8 @@
 
 namespace manycontact {
 
-/// Returns the unit normal, in the world, of the surface on which A presses, pointing out of it. The normal is
-/// Contact::normal. If that is not given, it is A's z axis for contacts with angular rows, the world's z axis for
-/// points. oRA, oRB: axes of A and B'; oRB is not used if B is in the world.
+/// Returns the outward unit normal in the world of the surface on which A presses: Contact::normal or, without it, A's
+/// z axis for contacts with angular rows, the world's z axis for points. oRA, oRB: axes of A, B'.
 inline Vec3<double> contact_normal(const Contact& contact, const Mat3<double>& oRA, const Mat3<double>& oRB) {
   if (contact.normal) {
     const Vec3<double> n = contact.normal->normalized();  // the length may differ from 1 after add_contact

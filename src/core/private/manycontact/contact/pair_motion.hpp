@@ -1,13 +1,11 @@
 #pragma once
-// The bias acceleration a0 of a pair (contact/pair_rows.hpp), and its derivatives with respect to the relative motion
-// of the pair's bodies.
+// The bias a0 of a pair (contact/pair_rows.hpp), and its derivatives with respect to its bodies' relative motion.
 
 #include "manycontact/contact/pair_rows.hpp"
 
 namespace manycontact {
 
-/// Returns W_m x, the components of x that the rows of member m of a pair select. x: a motion in the axes of the
-/// member's frame A.
+/// Returns W_m x, the components that the rows of member m select from a motion x in its frame A's axes.
 template <class S>
 Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, const Vec6<S>& x) {
   Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> out(m.rows());
@@ -50,8 +48,7 @@ struct MemberMotion {
     if (c.alpha != 0) x += contact_error<S>(c, G, S(c.alpha));
     return x;
   }
-  /// Returns the derivative of `drift` with respect to nu, along dnu.
-  Vec6<S> by_motion(const Vec6<S>& dnu) const {
+  Vec6<S> by_motion(const Vec6<S>& dnu) const {  // d(drift)/d(nu) dnu
     Vec6<S> x = S(c.beta) * dnu;
     if (c.type != ContactType::k6D)
       x.template head<3>() +=
@@ -73,9 +70,8 @@ struct MemberMotion {
   }
 };
 
-/// Computes d.x, W, a0 and `left` of a pair from d.nu, nudot and G.
 template <class S>
-void pair_motion(const Contact& pair, ContactData<S>& d);
+void pair_motion(const Contact& pair, ContactData<S>& d);  // d.x, W, a0 and `left` from d.nu, nudot and G
 
 /// The derivatives of a pair's x with respect to nu and to a displacement of A, at constant nudot (6 x 6 each).
 template <class S>

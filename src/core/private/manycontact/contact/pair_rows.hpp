@@ -34,7 +34,7 @@ struct PairRows {
   int kind = 0;                  // equal for pairs with members of the same types, in the same order, and the same rank
 };
 
-/// Returns the number that identifies the contact's type in keys of structures: PairRows::kind for a pair.
+/// Returns the number of the contact's type in keys of structures: PairRows::kind for a pair.
 inline int kind_of(const Contact& contact) {
   return contact.pair ? contact.pair->kind : static_cast<int>(contact.type);
 }
@@ -42,9 +42,8 @@ inline int kind_of(const Contact& contact) {
 /// Whether a contact's rows are constant in A's axes.
 inline bool has_constant_rows(const Contact& contact) { return contact.reference_frame == ReferenceFrame::kLocal; }
 
-/// Returns the contact that replaces these contacts between the same two bodies. Their rows must be constant in the
-/// axes of A (has_constant_rows). The `pair` of the result is null if the rows are independent, or if their geometry
-/// leaves the rank doubtful.
+/// Returns the contact that replaces these contacts between the same two bodies, whose rows must be constant in A's
+/// axes (has_constant_rows). Its `pair` is null if the rows are independent or their rank is doubtful.
 Contact pair_of(const Scene& scene, std::span<const int> contacts);
 /// Updates a pair's contact and PairRows with values that may change between solves: gains, and B's placement.
 void refresh_pair(const Scene& scene, PairRows& rows, Contact& pair);

@@ -1,6 +1,5 @@
 #pragma once
-// Products with the derivatives of one contact's rows (detail/contact/rows.hpp), without matrices, in forward and in
-// reverse mode.
+// Products with derivatives of one contact's rows (detail/contact/rows.hpp), in forward and reverse mode.
 
 #include "manycontact/algorithm/rnea_products.hpp"
 #include "manycontact/detail/contact/rows.hpp"
@@ -20,8 +19,7 @@ template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);
 
-/// Calls add(attachment, force), with the force in the body's tree frame, for those of A and B that move. F acts on A
-/// and is in A's axes; -F acts on B'.
+/// Calls add(attachment, force in its tree frame) for A and B if they move. F acts on A, in A's axes; -F on B'.
 template <class S, class Add>
 void each_body_force(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& F, Add&& add) {
   if (moves(contact.A)) add(contact.A, Vec6<S>(rows.aMA.act_force(F)));

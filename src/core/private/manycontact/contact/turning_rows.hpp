@@ -1,8 +1,7 @@
 #pragma once
-// Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, rows select components of A's acceleration relative to
-// B', which is the rate of velocity along axes fixed in B'. In A's axes, nu is the velocity of A relative to B', and W
-// selects the rows (detail/contact/rows.hpp). Let w be the angular velocity of the rows' axes relative to B': nu_ang if
-// they are A's axes, minus the angular velocity of B' if they are the world's. The rate of J v is
+// Rows of 1D and 2D contacts whose axes rotate. As in Crocoddyl, they select components of the rate of A's relative
+// velocity along axes fixed in B'. Let w be the angular velocity of the rows' axes relative to B': nu_ang for A's axes,
+// minus that of B' for the world's. The rate of J v is (nu, W: detail/contact/rows.hpp)
 //
 //     d(W nu)/dt = W (nudot_lin + nu_ang x nu_lin) - W (w x nu_lin)
 //
@@ -21,8 +20,7 @@ inline bool leaves_directions(const Contact& contact) {
   return contact.type == ContactType::k1D || contact.type == ContactType::k2D;
 }
 
-/// Returns W (w x nu_across) (file header), the acceleration of the rows minus the rate of J v. nu_across is the part
-/// of nu_lin orthogonal to the rows' axes. d: computed by contact_rows.
+/// Returns W (w x nu_across), the rows' acceleration minus the rate of J v; nu_across: nu_lin orthogonal to their axes.
 inline Eigen::Vector2d turning_of_rows(const Contact& contact, const ContactData<double>& d) {
   Eigen::Vector2d out = Eigen::Vector2d::Zero();
   if (!leaves_directions(contact)) return out;

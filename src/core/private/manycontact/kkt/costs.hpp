@@ -1,7 +1,6 @@
 #pragma once
-// Coefficients of predicted costs, for the method `auto` and for the use of threads. The unit is the time of one
-// multiply-add of CHOLMOD's simplicial factor, kPredictedSecond on a core of 2020. `./run bench --fit` measures and
-// fits all costs, and prints this file.
+// Coefficients of predicted costs, for `auto` and for threads, in multiply-adds of CHOLMOD's simplicial factor
+// (kPredictedSecond on a core of 2020). `./run bench --fit` measures and fits all costs, and prints this file.
 
 namespace manycontact::costs {
 
@@ -12,8 +11,7 @@ inline constexpr double kPredictedSecond = 0.2e-9;  // duration of the unit of c
 inline constexpr double kLdlRow = 17, kLdlEntry = 20, kLdlFlop = 0.18;
 inline constexpr double kLdlBlock = 215, kLdlRange = 0.65, kLdlShortRange = 2.2;
 
-// Kinematics, M, J and K: costs per row of K and per contact. Outside SIMD batches kTermsContactAlone is added per
-// contact.
+// Kinematics, M, J and K: per row of K, per contact, and what is added per contact outside SIMD batches.
 inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone = 670;
 
 // sparse-cholmod: costs per call, row of K, entry of L, and multiply-add.

@@ -5,12 +5,11 @@
 //   a minimises (a - a_free)^T M (a - a_free) among the minimisers of |J a - b2|,
 //   f is the least-norm solution of J^T f = M a - b1.
 //
-// If delta = 0, this is the null-space method: N is a basis of J's null space, J^T P = Q [C; 0], R C^T = U T V^T
-// (complete orthogonal decomposition), a = J^+ b2 + N y, (N^T M N) y = N^T (b1 - M J^+ b2). A pivoted QR of J^T, with
-// each row of J divided by its size, gives the rank and the permutation P, which puts independent rows first. R sorts
-// rows by size and V pivots, so that least squares with micrometres and radians lose no digits. If delta > 0, it is an
-// LU of K. Sources: Golub, Van Loan, Matrix Computations (2013), 5.5, 6.2; Cox, Higham, Stability of Householder QR
-// factorization for weighted least squares problems (1998).
+// For delta = 0, N is a basis of J's null space, J^T P = Q [C; 0], R C^T = U T V^T (complete orthogonal decomposition),
+// a = J^+ b2 + N y, (N^T M N) y = N^T (b1 - M J^+ b2). A pivoted QR of J^T, rows of J divided by their sizes, gives the
+// rank and P, which puts independent rows first. R sorts rows by size and V pivots, so that micrometres and radians
+// lose no digits. For delta > 0, K has an LU. Sources: Golub, Van Loan, Matrix Computations (2013), 5.5, 6.2; Cox,
+// Higham, Stability of Householder QR factorization for weighted least squares problems (1998).
 
 #include "manycontact/sparse/decompositions.hpp"
 #include "manycontact/spatial/scalar.hpp"
@@ -38,23 +37,18 @@ struct DenseKkt {  // M, J, delta of K, and the rank-revealing factor
   int nv() const { return static_cast<int>(M.rows()); }
   int nc() const { return static_cast<int>(J.rows()); }
 
-  /// Returns J^+ b per column of b (nc x k): the a of least norm among those that minimise |J a - b|.
-  MatX<S> motion(const MatX<S>& b) const;
-  /// Returns (J^T)^+ g per column of g (nv x k): the f of least norm among those that minimise |J^T f - g|.
-  MatX<S> force(const MatX<S>& g) const;
+  MatX<S> motion(const MatX<S>& b) const;  // J^+ b: least |a| among minimisers of |J a - b|; b: nc x k
+  MatX<S> force(const MatX<S>& g) const;   // (J^T)^+ g: least |f| among minimisers of |J^T f - g|; g: nv x k
 };
 
-/// Factorizes K from M, J and delta.
 template <class S>
 void factor(DenseKkt<S>& kkt);
 
-/// Solves M a - J^T f = b1, J a + delta f = b2 (file header) for each column of b1 (nv x k) and b2 (nc x k), with one
-/// refinement on the true residual. If `regular` is false, a and f are NaN. A row of J is dependent if its part
-/// orthogonal to the independent rows is at most tolerance::kRank of its size.
+/// Solves M a - J^T f = b1, J a + delta f = b2 for each column, with one refinement on the true residual; a and f are
+/// NaN unless `regular`. A row is dependent if its part orthogonal to independent rows is at most kRank of its size.
 template <class S>
 void solve(const DenseKkt<S>& kkt, const MatX<S>& b1, const MatX<S>& b2, MatX<S>& a, MatX<S>& f);
 
-/// Returns K = [M J^T; J -delta I].
 template <class S>
 MatX<S> kkt_matrix(const DenseKkt<S>& kkt);
 

@@ -16,15 +16,13 @@ struct KktMatrix {
   /// detail/contact/rows.hpp). The entries of J cannot give it, as they may all be rounding errors.
   double row_scale = 0;
 
-  /// Sets the pattern and allocates the values.
-  void reset(std::shared_ptr<const KktPattern> p);
+  void reset(std::shared_ptr<const KktPattern> p);  // allocates the values
   int nv() const { return pattern->nv; }
   int nc() const { return pattern->nc; }
   int size() const { return pattern->size(); }
 };
 
-/// Writes the values of M and J and -damping to K. M: the packed inertia of each robot. J: the entries of each
-/// contact's rows, by columns. Robots and contacts are in the island's order.
+/// Writes M (packed, per robot), J (by columns, per contact) and -damping to K, in the island's order.
 void assemble(std::span<const std::span<const double>> M, std::span<const std::span<const double>> J, double damping,
               KktMatrix& K);
 

@@ -1,5 +1,4 @@
 #pragma once
-// The pattern of an island's KKT matrix K = [M J^T; J -delta I] in an elimination order.
 
 #include <memory>
 #include <mutex>
@@ -12,21 +11,18 @@
 
 namespace manycontact {
 
-/// The columns in which the active contact rows J have entries. K's pattern depends on these and on the trees.
 struct IslandSupport {
   std::vector<ContactSupport> contacts;   // one entry per contact of the island; coordinates numbered within the robots
   std::vector<std::vector<int>> columns;  // one entry per contact: columns in the island, first those above A, then B'
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
-/// A schedule that is compiled by the first thread that needs it.
-struct LazySchedule {
+struct LazySchedule {  // compiled by the first thread that needs it
   std::mutex mutex;
   std::unique_ptr<const sparse::LdlSchedule> schedule;
 };
 
-/// The pattern of P K P^T, where P is the permutation to elimination order, with the slots of M's and J's entries and
-/// the symbolic factorization. It is constant.
+/// The constant pattern of P K P^T, P the permutation to elimination order, with slots of M and J, and its analysis.
 struct KktPattern {
   int nv = 0, nc = 0;
   Order order = Order::kLeafToRoot;
@@ -39,8 +35,7 @@ struct KktPattern {
   sparse::LdlSymbolic ldl;
   std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // used by schedule()
 
-  /// Returns the schedule of sparse-ldl's numeric phase; the first call compiles it.
-  const sparse::LdlSchedule& schedule() const;
+  const sparse::LdlSchedule& schedule() const;  // the first call compiles it
   int size() const { return nv + nc; }
 };
 
@@ -53,18 +48,15 @@ sparse::UpperCsc natural_pattern(const Scene& scene, const Island& island, const
 /// are numbers of contacts. In a tower this is the robot at the free end. All flags are false without contacts to the
 /// ground.
 std::vector<char> robots_furthest_from_ground(const Scene& scene, const Island& island);
-/// Returns CAMD's order of the rows 0 ... n-1 of a symmetric matrix with these entries. Row n is one more row, which
-/// comes last and is not returned; rows with entries in its column come late.
+/// Returns CAMD's order of rows 0 ... n-1. Row n comes last and is not returned; rows with entries in it come late.
 std::vector<int> camd_order_from_ground(int n, std::vector<std::pair<int, int>> entries);
 
-/// Returns the order kCamd. Among equivalent orders, one is chosen in which contacts on the robots furthest from the
-/// ground come late.
+/// Returns the order kCamd; among equivalent orders, contacts on the robots furthest from the ground come late.
 std::vector<int> camd_order(const Scene& scene, const Island& island, const sparse::UpperCsc& K);
 /// Returns the order kLeafToRoot. by_degree: the result of camd_order, from which the order of contact rows is taken.
 std::vector<int> leaf_to_root_order(const Scene& scene, const Island& island, const std::vector<int>& by_degree);
-/// Returns the order kContactsEarly, from J in configurations without symmetry. It depends on the types, axes and
-/// placements on A of contacts. Robots are in the island's order or, if clearly cheaper, in CAMD's order of the graph
-/// of coupled robots.
+/// Returns the order kContactsEarly, from J in configurations without symmetry: it depends on contacts' types, axes and
+/// placements on A. Robots are in the island's order or, if clearly cheaper, in CAMD's of the coupled robots.
 std::vector<int> contacts_early_order(const Scene& scene, const Island& island, const IslandSupport& support,
                                       const sparse::UpperCsc& K);
 
@@ -72,12 +64,10 @@ std::vector<int> contacts_early_order(const Scene& scene, const Island& island, 
 KktPattern analyze(const Scene& scene, const Island& island, const IslandSupport& support, const sparse::UpperCsc& K,
                    Order order, std::vector<int> perm);
 
-// Overdetermined islands have far more contact rows than coordinates, e.g. a thousand points on one sole. Nearly all
-// rows are redundant, and a sparse factor is full, so that its cost is cubic in the number of contacts. The cost of the
-// dense method is linear.
+// Overdetermined islands have far more contact rows than coordinates, e.g. a thousand points on one sole. A sparse
+// factor is full: its cost is cubic in the contacts, that of the dense method linear.
 
-/// Whether an island is overdetermined, so that kAuto chooses the dense method.
-inline bool overdetermined(const Island& island) {
+inline bool overdetermined(const Island& island) {  // kAuto is then dense
   return island.nc >= tolerance::kOverdetermined && island.nc > tolerance::kTimesOverdetermined * island.nv;
 }
 

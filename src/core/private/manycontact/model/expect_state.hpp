@@ -14,9 +14,8 @@ inline void expect_size(const char* function, const char* what, Eigen::Index giv
                                 " numbers, expected " + std::to_string(expected));
 }
 
-/// Returns why q (nq numbers) is not a configuration of these robots, or "" if it is one. Either a number is not
-/// finite, or the norm of a floating joint's quaternion differs from 1 by more than `tolerance` (by default that of
-/// solve). what: the name of q in the text.
+/// Returns why q (nq numbers), called `what` in the text, is not a configuration, or "": a number is not finite, or the
+/// norm of a floating joint's quaternion differs from 1 by more than `tolerance`.
 std::string unusable_configuration(const char* what, const ConstVectorRef& q, const RigidBodies& bodies,
                                    double tolerance = tolerance::kQuaternion);
 

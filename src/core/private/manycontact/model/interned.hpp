@@ -43,9 +43,8 @@ class Interned {
     std::shared_ptr<T> object;
     SharedWords key;
   };
-  /// Returns the object with this key; calls make() if no such object exists. Thread-safe.
   template <class Make>
-  Found find(const Words& key, Make&& make) {
+  Found find(const Words& key, Make&& make) {  // thread-safe; calls make() only if no object has the key
     const std::lock_guard lock(mutex_);
     if (known_.size() >= sweep_at_) {
       std::erase_if(known_, [](const auto& item) { return item.second.expired(); });

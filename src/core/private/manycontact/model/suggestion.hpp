@@ -9,11 +9,9 @@
 
 namespace manycontact {
 
-/// Returns `text` in quotes, shortened if it is long.
-std::string quote(std::string_view text);
+std::string quote(std::string_view text);  // shortened if long
 
-/// Returns "expected one of 'a', 'b', 'c'" if few names are known, otherwise "did you mean 'x'?" with the name that is
-/// most similar.
+/// Returns "expected one of 'a', 'b', 'c'" if few names are known, else "did you mean 'x'?" with the most similar name.
 std::string suggestion(const std::string& name, const std::vector<std::string>& known);
 
 /// Return the text of an error about a name that no robot, frame of a robot, or movable joint has, with a suggestion

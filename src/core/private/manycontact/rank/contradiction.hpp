@@ -41,7 +41,6 @@ class PassedRounding {
     const S passed = select(size > S(0), -larger(larger(S(-size * by_lever_), S(-by_force_ / size)), -largest_), S(0));
     return larger(own, passed);
   }
-  /// Returns the largest terms of all rows.
   const S& largest() const { return largest_; }
 
  private:
@@ -55,7 +54,6 @@ struct Contradiction {
   S left = S(0), Ja = S(0), a0 = S(0), of_terms = S(0);
   S least_row = S(std::numeric_limits<double>::infinity()), largest_row = S(0);
 
-  /// Takes |J| |a| and a0 of one row into account.
   void add_products(const S& its_Ja, const S& its_a0) {
     Ja = larger(its_Ja, Ja);
     a0 = larger(its_a0, a0);
@@ -75,23 +73,20 @@ struct Contradiction {
       largest_row = larger(row.size, largest_row);
     });
   }
-  /// Takes other rows of the same island into account.
-  void add(const Contradiction& other) {
+  void add(const Contradiction& other) {  // rows of the same island
     left = larger_or_nan(other.left, left);
     of_terms = larger_or_nan(other.of_terms, of_terms);
     add_products(other.Ja, other.a0);
     least_row = -larger(-other.least_row, -least_row);
     largest_row = larger(other.largest_row, largest_row);
   }
-  /// Returns the numbers of one robot of a SIMD batch.
-  Contradiction<double> of_lane(int lane) const {
+  Contradiction<double> of_lane(int lane) const {  // one robot's numbers
     return {left[lane], Ja[lane], a0[lane], of_terms[lane], least_row[lane], largest_row[lane]};
   }
 
   /// Whether derivatives must include a term for the inconsistency.
   bool exceeds_rounding() const { return !(of_terms <= tolerance::kDriftNoise); }
-  /// Whether contacts are inconsistent, by the definition in the file header.
-  bool contradicts() const {
+  bool contradicts() const {  // the definition in the file header
     return !(of_terms <= tolerance::kDriftRounding) && !(left <= tolerance::kContradiction * (Ja + a0));
   }
   /// Whether row sizes differ so much (radians, micrometres) that least squares need the dense reference solver.

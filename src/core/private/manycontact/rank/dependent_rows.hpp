@@ -1,15 +1,13 @@
 #pragma once
-// L D L^T of a saddle point matrix K = [M J^T; J 0] whose rows J may be dependent. Rows without a remaining pivot are
-// dropped, and the null space of J^T gives their dependence on the kept rows. All vectors are in K's elimination order,
-// and of_M flags the rows of M. Rows of M may follow a row of J if earlier rows of M give the row of J a pivot.
+// L D L^T of K = [M J^T; J 0] whose rows J may be dependent. Rows without a pivot are dropped. Vectors are in K's
+// elimination order; of_M flags rows of M, which may follow a row of J if earlier rows of M give it a pivot.
 //
 // For a dropped row k, K's factor without row k gives z with J_k = sum_j z_j J_j over the kept rows: L^T z = row k of
 // L, in rows of J before k. The columns n_k = e_k - z of N span the null space of J^T. With P = N (N^T N)^-1 N^T,
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]
 //
-// solves M a + J^T y = b1 and J a = b2 in the least-squares sense (Euclidean norm), with y of least norm. This is the
-// solution of dense rank-revealing methods, at little more than the cost of a sparse solve.
+// solves M a + J^T y = b1, J a = b2 in the least-squares sense (Euclidean norm), with y of least norm.
 
 #include <span>
 
@@ -18,8 +16,7 @@
 
 namespace manycontact::rank {
 
-/// The dropped rows of K, the null space basis N and its projector. The same dependences as before allocate nothing.
-struct DependentRows {
+struct DependentRows {          // the dropped rows, the null space basis N and its projector
   std::vector<int> dropped;     // rows of K: first rows flagged in `plain`, then dependent waiting rows, each ascending
   std::vector<char> turned;     // one flag per row of K: dropped by an exchange, may depend on later rows; may be empty
   WaitingRows waiting;          // kept rows without a sound pivot in K's order, and rows that depend on them
@@ -29,7 +26,7 @@ struct DependentRows {
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected = 0;  // max |z_j| of columns that are not orthonormalised; eps z_j^2 is the error of P
-  int largest_cluster = 0;  // largest number of entries of B in a cluster
+  int largest_cluster = 0;       // largest number of entries of B in a cluster
 
   /// Whether the dropped rows depend on the kept rows: after find_null_space, J^T N is a rounding error (kRowLeft), and
   /// columns of N that are not orthonormalised have no large z_j (kLargestEntry).
@@ -41,8 +38,7 @@ struct DependentRows {
     int first = 0, count = 0;  // range in `members`
     int row = 0, row_end = 0;  // range in `cluster_rows` of the rows of K in which its columns of N have entries
     int basis = 0, size = 0;   // the cluster's columns of B: basis ... basis + size - 1
-    // `kind` states what these columns are: the cluster's columns of N, a basis of their orthogonal complement, or the
-    // columns of N after orthonormalisation, which large entries require.
+    // `kind` states what they are: columns of N, their complement, or N orthonormalised, as large entries require.
     enum { kColumns, kComplement, kOrthonormal } kind = kColumns;
     std::size_t gram = 0;  // offset in DependentRows::gram of the Cholesky factor of B^T B, size x size, by columns
   };
@@ -63,9 +59,8 @@ struct DependentRows {
   bool M_first = true;                // whether no row of M follows a row of J
 };
 
-/// Computes least (n), the limits of pivots relative to their terms below which rows wait. A row of J waits if its
-/// pivot, or the row itself, does not exceed `margin` times its rounding error (rank/pivots.hpp). Rows of M never wait.
-/// row_size: n sizes of rows of J.
+/// Computes least (n), limits of pivots relative to their terms below which rows wait. A row of J waits if its pivot or
+/// the row is at most `margin` times its rounding error (rank/pivots.hpp). row_size: n sizes of J's rows.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
@@ -86,17 +81,14 @@ void find_null_space(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbo
                      std::span<const char> of_M, const double* row_scale, const double* Lx, const SolvePanel& solve,
                      DependentRows& rows);
 
-/// Computes the clusters and their projectors from N. n: number of rows of K.
-void make_projector(int n, DependentRows& rows);
+void make_projector(int n, DependentRows& rows);  // computed from N; n: rows of K
 
-/// After find_null_space, exchanges dropped rows with kept rows in which their columns of N have entries, until no
-/// entry exceeds kExchanged (tolerances.hpp). Clusters that are too large are left out. Returns whether rows were
-/// exchanged; the caller must then factorize again.
+/// After find_null_space, exchanges dropped rows with kept rows until no entry of N exceeds kExchanged, except in large
+/// clusters. Returns whether rows were exchanged; the caller must then factorize again.
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
-/// Determines which waiting rows are dependent, after ldl_factor_dependent, and computes N and its projector. Rows
-/// whose dependence on earlier rows is certain are dropped. The others join the kept rows by their Schur complement,
-/// unless it shows that they depend on all kept rows. Returns false if rounding hides which rows are dependent.
+/// After ldl_factor_dependent: finds the dependent waiting rows, N and its projector. Certainly dependent rows are
+/// dropped; others join by their Schur complement unless it shows dependence. False: rounding hides the rank.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);

@@ -1,6 +1,5 @@
 #pragma once
-// Criteria for pivots of L D L^T = K = [M J^T; J -delta I] in any elimination order. They decide whether a pivot, or
-// its row of J, exceeds its rounding error. In SIMD batches the scalar S has one value per robot.
+// Whether pivots of L D L^T = K = [M J^T; J -delta I] exceed rounding errors. S has one value per robot of a batch.
 
 #include <algorithm>
 #include <cmath>
@@ -36,15 +35,13 @@ auto has_its_sign(const Pivot<S>& p) {
   return p.of_M ? p.d > S(0) : p.d < S(0);
 }
 
-/// Rejects pivots that may be errors of earlier pivots. At damping 0, elimination amplifies the error of a small pivot
-/// of J in later rows, where it may look like a pivot. If two pivots are r and s relative to their terms, r s must
-/// exceed the rounding error, except for two pivots of M, which small masses make small. Each pivot is compared with
-/// all earlier pivots.
+/// Rejects pivots that may be errors of earlier ones. At damping 0, elimination amplifies the error of a small pivot of
+/// J in later rows. If two pivots are r and s relative to their terms, r s must exceed the rounding error, except for
+/// two pivots of M, which small masses make small. Each pivot is compared with all earlier ones.
 template <class S>
 struct PassedOn {
-  S least = S(1), least_of_J = S(1);  // least |d| / terms so far, of all pivots and of J's pivots
-  /// Whether the next pivot is accepted. left: its |d| / terms.
-  auto accepts(bool of_M, const S& left) {
+  S least = S(1), least_of_J = S(1);        // least |d| / terms so far, of all pivots and of J's pivots
+  auto accepts(bool of_M, const S& left) {  // left: the next pivot's |d| / terms
     const auto accepted = left * (of_M ? least_of_J : least) >= S(tolerance::kRowRounding);
     least = -larger(S(-left), S(-least));
     if (!of_M) least_of_J = -larger(S(-left), S(-least_of_J));
@@ -52,8 +49,7 @@ struct PassedOn {
   }
 };
 
-/// Compares pivots as PassedOn does, but only with pivots below them in the elimination tree, since errors reach only a
-/// pivot's ancestors.
+/// PassedOn, but only for pivots below in the elimination tree, since errors reach only a pivot's ancestors.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)
@@ -74,10 +70,9 @@ class PassedOnInTree {
   std::vector<PassedOn<double>>& at_;
 };
 
-/// Whether some pivot is only a rounding error, with bounds from L that are sharper than those of PassedOn. A pivot's
-/// error is its terms' rounding error plus l^2 times the errors of earlier pivots, except between pivots of M. (In a
-/// tall tower, pivots of contacts are small relative to their terms, but hardly affect pivots of contacts below.) Rows
-/// without a pivot have infinite D and zeros in L. terms: magnitudes of the pivots' terms; noise: scratch, n.
+/// Whether some pivot is only a rounding error, with sharper bounds than PassedOn's: a pivot's error is its terms'
+/// rounding error plus l^2 times errors of earlier pivots, except between pivots of M. (In tall towers, small pivots of
+/// contacts hardly affect those below.) Rows without a pivot have D infinite, L zero. noise: scratch, n.
 template <class OfM>
 bool any_pivot_is_rounding(const sparse::LdlSymbolic& s, const double* L, const double* D, const double* terms,
                            double margin, OfM&& of_M, double* noise) {

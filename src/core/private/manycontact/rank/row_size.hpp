@@ -1,7 +1,6 @@
 #pragma once
-// The sizes relative to which contact rows are judged: the size of the motion from which a row of J is selected, and
-// the terms of the row's a0. Rows and residuals that are tiny relative to these are rounding errors. In SIMD batches
-// the scalar S has one value per robot.
+// The sizes relative to which contact rows and residuals are judged: the motion from which a row of J is selected, and
+// the terms of its a0. In SIMD batches the scalar S has one value per robot.
 
 #include "manycontact/detail/contact/rows.hpp"
 
@@ -30,8 +29,7 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of the origin of a joint's tree frame in units of eps. It is zero if joints displace the origin
-/// along constant axes only.
+/// Returns the error of a joint's tree frame origin / eps: zero if joints displace it along constant axes only.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);
@@ -60,9 +58,8 @@ RowWeights<S> row_weights(const ContactData<S>& data, int i) {
   return row_weights<S>(data.pair ? &*data.pair : nullptr, i);
 }
 
-/// The largest terms of a contact's a0: `linear` for the motion of its point [m/s^2], rows 0 to 2, `angular` for the
-/// rotation [rad/s^2], the other rows. Neither bounds the other if lengths are micrometres. Rows of a pair are sums of
-/// both kinds of terms.
+/// The largest terms of a contact's a0: `linear` [m/s^2] for rows 0 to 2, `angular` [rad/s^2] for the others. Neither
+/// bounds the other if lengths are micrometres. Rows of a pair are sums of both.
 template <class S>
 struct RowTerms {
   S linear = S(0), angular = S(0);
@@ -91,8 +88,7 @@ RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const 
           accelerations(3) + w * w + beta * w + alpha, data.pair ? &*data.pair : nullptr};
 }
 
-/// Returns row_terms with `origin` computed from A, kinA, B and kinB, the models and kinematics of the robots of A and
-/// B. Those of an immovable frame are not used.
+/// Returns row_terms from the models and kinematics of A's and B's robots, which are unused for an immovable frame.
 template <class S>
 RowTerms<S> row_terms(const Contact& contact, const ContactData<S>& data, const Model& A, const Kinematics<S>& kinA,
                       const Model& B, const Kinematics<S>& kinB) {

@@ -16,8 +16,7 @@ inline bool usable_numbers(const Scene& scene) {
          std::isfinite(scene.moment_length);
 }
 
-/// Returns the weight of a contact's row. It is 1 with damping, where rows need not be dropped, and for pairs, which
-/// have weighted rows already.
+/// Returns the weight of a contact's row: 1 with damping (rows need not be dropped) and for pairs (weighted already).
 inline double row_unit(const Scene& scene, const Contact& contact, int row) {
   return row < 3 || scene.damping > 0 || contact.pair ? 1 : scene.moment_length;
 }

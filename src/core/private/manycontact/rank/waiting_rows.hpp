@@ -15,12 +15,10 @@
 
 namespace manycontact::rank {
 
-/// A function that computes X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld,
-/// whose rows are in K's order.
+/// X <- (L D L^T)^-1 X in the first `cols` columns of a row-major panel with row stride ld, rows in K's order.
 using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 
-/// The waiting rows and their factor. Nothing is allocated for at most as many rows as before.
-struct WaitingRows {
+struct WaitingRows {      // allocates nothing for at most as many rows as before
   std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the others are dependent
   int joined = 0;
   std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that are not in K1
@@ -33,16 +31,14 @@ struct WaitingRows {
   std::vector<int> same, order, old_rows;  // same: the numbers 0, 1, 2 ...
 };
 
-/// Computes the factor of the waiting rows w.rows, and moves dependent rows to the end of w.rows. Lx, D: factor of K1,
-/// with infinite D in rows that are not in K1. of_M: flags of K's rows. row_size: n sizes of J's rows
-/// (rank/row_size.hpp).
+/// Computes the factor of w.rows, and moves dependent rows to its end. Lx, D: factor of K1, with infinite D in rows not
+/// in K1. of_M: flags of K's rows. row_size: n sizes of J's rows (rank/row_size.hpp).
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);
 
-/// Add the joined rows to a solve with K1. Call before_solve with the right-hand sides X, solve with K1, then call
-/// after_solve. w.G has the joined rows' solution in between. X: a row-major panel of cols columns with row stride ld;
-/// row k of K is row row[k] of X, or row k if row is nullptr.
+/// Call before_solve with right-hand sides X, solve with K1, then call after_solve; w.G has the joined rows' solution
+/// in between. X: row-major panel with row stride ld; row k of K is row row[k] of X, or row k if row is nullptr.
 void before_solve(WaitingRows& w, const int* row, const double* X, int ld, int cols);
 void after_solve(WaitingRows& w, const int* row, double* X, int ld, int cols);
 

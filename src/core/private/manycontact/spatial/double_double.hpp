@@ -1,10 +1,8 @@
 #pragma once
-// DoubleDouble is the unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2. It has 106 bits and the range of
-// a double, and is the scalar of forward dynamics in precision `extended`. Compile it with -ffp-contract=off.
-//
-// Sums, products and quotients are AccurateDWPlusDW, DWTimesDW2 and a long division. Relative errors of a sum and of a
-// product are below 2^-103. Sources: Dekker, Numerische Mathematik 18 (1971); Knuth, The Art of Computer Programming 2,
-// theorem 4.2.2 B; Joldes, Muller, Popescu, ACM Transactions on Mathematical Software 44 (2017), algorithms 6 and 11.
+// The unevaluated sum of two doubles, hi + lo with |lo| <= ulp(hi)/2: 106 bits, a double's range. It is the scalar of
+// precision `extended`. Compile it with -ffp-contract=off. Errors of sums (AccurateDWPlusDW) and products (DWTimesDW2)
+// are below 2^-103. Sources: Dekker, Numerische Mathematik 18 (1971); Knuth, The Art of Computer Programming 2, theorem
+// 4.2.2 B; Joldes, Muller, Popescu, ACM Transactions on Mathematical Software 44 (2017), algorithms 6, 11.
 
 #include <Eigen/Core>
 #include <cmath>
@@ -31,8 +29,7 @@ namespace detail {
   const double s = a + b;
   return {s, b - (s - a)};
 }
-/// Returns a + b exactly.
-[[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {
+[[gnu::always_inline]] inline DoubleDouble two_sum(double a, double b) {  // a + b exactly
   const double s = a + b, other = s - a;
   return {s, (a - (s - other)) + (b - other)};
 }
@@ -127,8 +124,7 @@ inline constexpr DoubleDouble kInverseFactorials[] = {{0x1p+0, 0},
                                                       {0x1.0ce396db7f853p-70, -0x1.aebcdbd20331cp-124},
                                                       {0x1.761b41316381ap-75, -0x1.3423c7d91404fp-130},
                                                       {0x1.f2cf01972f578p-80, -0x1.9ada5fcc1ab14p-135}};
-/// Returns the sum of power^k / (first + step k)! over k = 0 ... terms-1, from the last term to the first. Terms from k
-/// = `small` on are computed in double.
+/// Sums power^k / (first + step k)! over k = 0 ... terms-1, last term first; terms from `small` on are in double.
 inline DoubleDouble series(const DoubleDouble& power, int first, int step, int terms, int small) {
   const auto factor = [&](int k) { return kInverseFactorials[first + step * k]; };
   double tail = 0;

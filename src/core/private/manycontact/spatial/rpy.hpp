@@ -1,5 +1,4 @@
 #pragma once
-// Rotations given by roll, pitch and yaw, as in URDF.
 
 #include "manycontact/spatial/se3.hpp"
 

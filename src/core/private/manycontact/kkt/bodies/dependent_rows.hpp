@@ -1,8 +1,7 @@
 #pragma once
-// Redundant contact rows of a body-space system. There are three kinds: rows whose forces drive no joint, e.g. along a
-// straight chain fixed at one end; rows spanned by other rows on the same body; and rows on a body that its joints and
-// other rows constrain already, e.g. along a straight chain fixed at both ends. They are dropped. The forces of the
-// solution have least norm:
+// Redundant contact rows of a body-space system are dropped: rows whose forces drive no joint (e.g. a straight chain
+// fixed at one end), rows spanned by others on their body, and rows on a body that its joints and other rows constrain
+// already (e.g. a straight chain fixed at both ends). The forces have least norm:
 //
 //   [a; y] = (I - P) K_kept^-1 (I - P) [b1; b2]      P: the projector of rank/dependent_rows.hpp
 //
@@ -13,8 +12,7 @@
 
 namespace manycontact {
 
-/// The dependent rows and their null space. Nothing is allocated for the same pattern and null space as before.
-struct BodyDependence {
+struct BodyDependence {            // allocates nothing for the same pattern and null space as before
   rank::DependentRows rows;        // null space; rows are numbered as the system's rows
   Eigen::VectorXd null_component;  // nc: part of b.rows in the null space, the inconsistency
 
@@ -36,8 +34,7 @@ struct BodyDependence {
 
 /// Whether damping is zero, and some row of J has only rounding errors as entries, so that its pivot has no digit.
 bool has_vanishing_row(const BodySystem& system, BodyDependence& work);
-/// Clears the list of dropped rows, so that later factors include them.
-void forget_dropped(BodyLdl& ldl);
+void forget_dropped(BodyLdl& ldl);  // later factors include the dropped rows
 
 /// Factorizes the system without dependent rows. Returns kNone if the factor is sound and work.rows has the dropped
 /// rows, kSmallPivot if no row is dependent or if the rank is uncertain, or another reason of factorize_bodies.

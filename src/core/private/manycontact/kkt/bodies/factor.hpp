@@ -1,5 +1,4 @@
 #pragma once
-// Solves with the body-space system (system.hpp) and its factor (ldl.hpp).
 
 #include "manycontact/kkt/bodies/ldl.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -18,8 +17,7 @@ sparse::Refinement solve_refined(const BodySystem& system, BodyLdl& ldl, BodySol
 /// Solves as solve_refined does, but without the first backward sweep, which factorize_bodies did with b = v.b.
 sparse::Refinement solve_lifted(const BodySystem& system, BodyLdl& ldl, BodySolve& v, int max_steps);
 
-/// Returns the number of entries of a factor, for Factor::nonzeros.
-int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);
+int nonzeros(const BodyPattern& pattern, const BodyLdl& ldl);  // number of entries of the factor
 
 /// A body-space system with its factor, and solves in joint space, with vectors and panels in the island's order.
 class BodyFactor {
@@ -31,8 +29,7 @@ class BodyFactor {
   BodySystem system;
   BodyLdl ldl;
 
-  /// Overwrites x with K^-1 x, without refinement.
-  void solve(double* x);
+  void solve(double* x);  // x <- K^-1 x, without refinement
   /// Overwrites a row-major X with K^-1 X, column by column with refinement; columns that do not converge become NaN.
   void solve_panel(double* X, int cols);
 

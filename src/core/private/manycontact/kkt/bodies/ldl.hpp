@@ -1,7 +1,6 @@
 #pragma once
-// Block L D L^T of a body-space system (system.hpp) from the leaves to the root, without forming the system. This is
-// the articulated-body algorithm with contact rows. After elimination of a node's subtree, the solution for the node's
-// body makes this function stationary:
+// Block L D L^T of a body-space system (system.hpp), leaves first, without forming it: the articulated-body algorithm
+// with contact rows. After elimination of a node's subtree, its body's solution makes this function stationary:
 //
 //   1/2 a^T P a + a^T p + y^T (G a - g) - 1/2 y^T E y,      a: its acceleration, y: forces of rows not yet eliminated
 //
@@ -14,11 +13,10 @@
 //
 //   P += G_k^T G_k / E_kk,   G_j -= (E_jk / E_kk) G_k,   E_ij -= E_ik E_kj / E_kk
 //
-// A translation X transforms P, p, G to the parent. Of independent rows within subtrees, at most tolerance::kMostOpen
-// remain open, so that the cost is linear in the bodies. Rows between distant bodies remain open up to a common
-// ancestor. Rows open at the bases form a dense system. Sources: Featherstone (2008), table 7.1; for contact rows
-// Popov, Vereshchagin, Zenkevich (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows by pivots, and rows
-// between two bodies, are ours.
+// A translation X transforms P, p, G to the parent. At most tolerance::kMostOpen of a subtree's independent rows remain
+// open, so the cost is linear in the bodies. Rows between distant bodies are open up to a common ancestor; rows open at
+// the bases form a dense system. Sources: Featherstone (2008), table 7.1; for rows Popov, Vereshchagin, Zenkevich
+// (1978), Sathya, Carpentier, arXiv 2404.12514. The choice of rows, and rows between two bodies, are ours.
 
 #include "manycontact/kkt/bodies/system.hpp"
 #include "manycontact/kkt/reason.hpp"
@@ -39,8 +37,7 @@ struct BodyHold {
   Mat6<double> Q, R, C;
 };
 
-/// Factorizes the `count` rows that constrain a node as Q R. Returns false, with hold.rows = 0, if the rows are
-/// (nearly) dependent or damped.
+/// Factorizes `count` rows on a node as Q R. Returns false, with hold.rows = 0, for (nearly) dependent or damped rows.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& hold);
 /// Return the solution y of R^T y = b, and that of R y = Q^T f, in entries 0 ... hold.rows - 1. hold has Q and R.
 Vec6<double> solve_transposed(const BodyHold& hold, Vec6<double> b);
@@ -83,32 +80,26 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   void resize(const BodyPattern& pattern);
 };
 
-/// The rows that constrain a node and are not dropped, at most six of them.
-struct HeldRows {
+struct HeldRows {  // the rows that constrain a node and are not dropped
   int row[6], count = 0;
 };
 HeldRows held_rows(const BodyPattern& pattern, const BodyLdl& ldl, int node);
 
-/// Factorizes the system. Returns kNone if the factor is sound, kSingularInertia if a joint's D is only rounding error,
-/// kSmallPivot if rows are (nearly) dependent, kNotFinite if some entry is NaN or infinite. b: if given, the
-/// backward_sweep of b is done at the same time. drop: whether rows spanned by those that constrain a body are dropped,
-/// and listed in ldl.found.
+/// Factorizes the system. Returns kNone if the factor is sound, kSingularInertia if a D is only rounding error,
+/// kSmallPivot for (nearly) dependent rows, kNotFinite for NaN or infinity. b: also do its backward_sweep. drop: drop
+/// rows spanned by those that constrain a body, and list them in ldl.found.
 [[nodiscard]] Reason factorize_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors* b = nullptr,
                                       bool drop = false);
 
-/// Make one step of a solve's backward sweep, from node i to its parent, and the whole sweep from leaves to bases.
 void backward_step(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, int i);
 void backward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b);
 
-/// Computes the solution x from the bases to the leaves, after a backward sweep of b. Returns the backward error of x,
-/// and sets `left` to its residual.
+/// Computes x from the bases to the leaves, after a backward sweep of b. Returns its backward error; `left`: residual.
 double forward_sweep(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x, BodyResidual& left);
-/// Computes the correction dx of x, after a backward sweep of the residual left.r, and adds dx to x. Returns the
-/// backward error of x, and sets `left` to its residual.
+/// Adds to x its correction dx, after a backward sweep of left.r. Returns x's backward error; `left`: its residual.
 double correct_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& dx, BodyVectors& x,
                       BodyResidual& left);
 
-/// Solves for x with right-hand sides b, by both sweeps, without refinement.
-void solve_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x);
+void solve_bodies(const BodySystem& system, BodyLdl& ldl, const BodyVectors& b, BodyVectors& x);  // no refinement
 
 }  // namespace manycontact

@@ -7,8 +7,7 @@
 
 namespace manycontact {
 
-/// The structure of an island's body-space system. Its nodes are the joints' bodies, robot by robot, parents before
-/// children. It is constant, and islands of one shape share it.
+/// The constant structure of an island's body-space system. Nodes are the joints' bodies, parents before children.
 struct BodyPattern {
   int nodes = 0, nv = 0, nc = 0;
   std::vector<int> node_offset;      // one entry per robot of the island: number of its first node
@@ -26,23 +25,18 @@ struct BodyPattern {
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows that may be open after all joints are eliminated
-  // Estimates for predicted costs: the sums over nodes of (open rows)^2 and of (open rows)^2 times eliminated rows, and
-  // the number of rows open at the bases.
+  // Estimates for costs: sums over nodes of open rows^2 and of open rows^2 x eliminated rows; rows open at the bases.
   double open_squared = 0, open_updates = 0, open_at_base = 0;
 
-  /// Whether both bodies of a row are in the subtree of node i, so that the row can be eliminated there.
-  bool complete(int row, int i) const {
+  bool complete(int row, int i) const {  // whether both bodies are in the subtree of node i
     const auto inside = [&](int node) { return node < 0 || (node >= i && node < end[i]); };
     return inside(A[row]) && inside(B[row]);
   }
-  /// Returns the lowest common ancestor of the two nodes of a row, or -1 if there is none.
-  int meeting(int row) const;
-  /// Computes the members from `at_first` on. The members before it, from `nodes` to A and B, must be set.
-  void complete_analysis();
+  int meeting(int row) const;  // lowest common ancestor of a row's nodes, or -1
+  void complete_analysis();    // members after `B`, from those before
 };
 
-/// Returns the pattern of an island. The cost is linear in the numbers of bodies and contacts, plus, for each row, the
-/// number of bodies between its two ends.
+/// Takes time linear in bodies and contacts plus, for each row, the bodies between its ends.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
 /// Returns the node of an attachment, or -1 if it is immovable.

@@ -1,7 +1,6 @@
 #pragma once
-// Division of trees at constrained bodies. Six independent rows between a body and the world or a fixed base determine
-// the body's acceleration. The subtree below the body is then an independent system (system.hpp), and the forces of the
-// six rows balance its reaction.
+// Division of trees at bodies whose acceleration six independent rows to the world or a fixed base determine. The
+// subtree below is an independent system (system.hpp), and the forces of the six rows balance its reaction.
 
 #include <memory>
 
@@ -9,16 +8,14 @@
 
 namespace manycontact {
 
-/// A body constrained by six rows, at which a tree is cut. The body is a leaf of the subtree above the cut, its own
-/// subtree, and the base of the subtree below.
+/// A body constrained by six rows: a leaf of the subtree above, its own subtree, and the base of the subtree below.
 struct BodyCut {
   int node = 0;   // index of the body in its own subtree
   int below = 0;  // index of the subtree below the body
   int row[6];     // indices of the six rows in the body's own subtree
 };
 
-/// A part of a tree between cuts, or at first all that remains above the cuts. It is constant. Its nodes, coordinates
-/// and rows are in the same order as in the island.
+/// A part of a tree between cuts. Its nodes, coordinates and rows are in the island's order.
 struct BodySubtree {
   std::shared_ptr<const BodyPattern> pattern;  // shared by subtrees of one shape
   int shape = 0;                               // index of its pattern: subtrees of one shape share one

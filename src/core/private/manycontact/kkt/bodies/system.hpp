@@ -1,16 +1,14 @@
 #pragma once
-// The body-space system: equations of an island with the accelerations of bodies and the forces of joints as unknowns.
-// There are many more than in the joint-space K, but each equation involves only a body and its neighbours, however
-// deep the tree. Unknowns are the acceleration a_i and joint force f_i (6 each) of every body i in its body frame
-// (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
+// An island's equations in accelerations of bodies and forces of joints: many more than in the joint-space K, but each
+// involves only a body and its neighbours, however deep the tree. Unknowns are the acceleration a_i and joint force f_i
+// of each body i in its body frame (algorithm/body_kinematics.hpp), qdd, and y = -(contact forces):
 //
 //   a_i = X a_p + S_i qdd_i + c_i                              X: to the child's origin, p: the parent
 //   f_i = Y_i a_i + p_i + sum over children j of X_j^T f_j + sum over rows k at i of G_k y_k
 //   S_i^T f_i + armature qdd_i = tau_i
 //   G_Ak^T a_A + G_Bk^T a_B - delta y_k = g_k
 //
-// With c = 0 and p = 0 this is equivalent to K [qdd; y] = [tau; g]. The acceleration of a base is part of the c of
-// bodies attached to it.
+// With c = p = 0 this is K [qdd; y] = [tau; g]. A base's acceleration is part of the c of bodies attached to it.
 
 #include <memory>
 
@@ -19,7 +17,6 @@
 
 namespace manycontact {
 
-/// Coefficients of the system. Nodes, coordinates and rows are numbered as in the pattern.
 struct BodySystem {
   std::shared_ptr<const BodyPattern> pattern;
   std::vector<Vec3<double>> r;     // one entry per node: its body's origin relative to the parent's origin
@@ -41,10 +38,9 @@ struct BodyVectors {
   void set_zero();
 };
 
-/// The residual of a solution x of the body-space system, and the magnitudes of the terms of its equations.
 struct BodyResidual {
   BodyVectors r;  // right-hand minus left-hand sides of the equations in the file header
-  // Magnitudes of terms. body_scale and joint_scale are set by backward_error only.
+  // magnitudes of terms; body_scale and joint_scale are set by backward_error only
   std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
   Eigen::VectorXd row_scale;                // nc
@@ -54,10 +50,9 @@ struct BodyResidual {
   void resize(const BodyPattern& p);
 };
 
-/// Computes `out` and returns the backward error: the largest residual of an equation (for f and a, of a three-vector)
-/// relative to the equation's terms. Terms are first raised to eps times the largest terms of their kind. As f in a
-/// joint's equation, and a in a row's equation, are sums themselves, the terms of these sums count. NaN if x is not
-/// finite.
+/// Computes `out` and returns the backward error: the largest residual of an equation (f, a: of a three-vector)
+/// relative to its terms, raised to eps times the largest of their kind. The f in a joint's and the a in a row's
+/// equation are sums, whose terms count. NaN if x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
 /// Computes the backward error node by node, during a sweep. Terms are not stored and have no lower bound, so that the

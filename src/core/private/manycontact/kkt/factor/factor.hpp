@@ -1,6 +1,5 @@
 #pragma once
-// The interface of all factors of an island's K. Each kind has its own source: ldl, proximal, cholmod, dense,
-// dense_schur.
+// The interface of all factors of an island's K.
 
 #include <algorithm>
 #include <limits>
@@ -19,9 +18,8 @@ struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;                      // magnitudes of the pivots' terms
   std::vector<rank::PassedOn<double>> passed_on;  // one entry per row of K
-  /// An input of factorizations, with one number per row of J in the island's order: the largest motion from which the
-  /// row is selected (rank/row_size.hpp), relative to which the row is judged. If the vector has another length than
-  /// nc, K.row_scale is used for all rows.
+  /// Input: one number per row of J in the island's order, the largest motion from which it is selected
+  /// (rank/row_size.hpp), relative to which it is judged. K.row_scale replaces it if it has not nc entries.
   std::vector<double> row_scale;
 };
 
@@ -44,8 +42,7 @@ class Factor {
   /// Computes v.x = K^-1 v.b with at most max_steps corrections from the true residual, and sets v.r and v.scale. If
   /// rows are dependent, v.null_component becomes the inconsistent part P b, which is not part of b during the solve.
   virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
-  /// Returns the componentwise backward error (sparse/refine.hpp) of a residual r. The residual of a dropped row is
-  /// relative to its own scale plus the scales of the kept rows times the magnitudes of its coefficients z_j.
+  /// Returns the componentwise backward error of r. A dropped row's scale includes those of kept rows times |z_j|.
   virtual double backward_error(std::span<const double> r, std::span<const double> scale) {
     return sparse::componentwise_backward_error(r, scale);
   }
@@ -53,14 +50,11 @@ class Factor {
   /// nonzero: flags of K's rows, in elimination order, where these columns may be nonzero; overwritten.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// Calls solve_panel and refines once, X + K^-1 (B - K X). work.nonzero: flags for solve_panel; work.B: memory as
-  /// large as X.
+  /// solve_panel, refined once by X + K^-1 (B - K X). work.nonzero: its flags; work.B: memory as large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
-  /// Releases the memory that only solve_panel needs; a later solve_panel allocates it again.
-  virtual void release_panels() {}
+  virtual void release_panels() {}  // a later solve_panel allocates again
 
-  /// Returns the rank of J.
   virtual int rank() const = 0;
   /// Lists the nc - rank dependent rows of J, numbered within the island, in any order.
   virtual void dependent_rows(std::vector<int>& rows) const { rows.clear(); }
@@ -72,16 +66,13 @@ class Factor {
   /// Sets one flag per row of J, numbered within the island (nc), if project_out may change the row.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
 
-  /// Returns the largest residual of dropped rows, relative to the terms by which the rank was decided, or 0 if the
-  /// residuals are rounding errors.
+  /// Returns the largest residual of dropped rows relative to the terms that decided the rank; 0: only rounding errors.
   virtual double left_of_dropped_rows() const { return 0; }
 
-  /// Returns the rounding error of project_out relative to the largest entry of y, which bounds the accuracy of
-  /// least-norm forces.
+  /// Returns the rounding error of project_out relative to the largest |y_k|; it bounds that of least-norm forces.
   virtual double projector_error() const { return 0; }
 
-  /// Returns the number of nonzeros of the factor, diagonals included.
-  virtual int nonzeros() const = 0;
+  virtual int nonzeros() const = 0;  // diagonals included
   /// Overwrites the coordinates' rows of x with a solution y of J y = f, if any, where f are the contact rows of x.
   virtual void particular_solution(double* x) { solve(x); }
 

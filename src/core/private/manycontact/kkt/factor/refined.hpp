@@ -1,5 +1,4 @@
 #pragma once
-// Iterative refinement by the true residual with any factor of K: x += K^-1 (b - K x).
 
 #include "manycontact/kkt/factor/factor.hpp"
 #include "manycontact/sparse/refine.hpp"
@@ -8,13 +7,11 @@ namespace manycontact {
 
 namespace internal {
 
-/// Adds v.null_component, the inconsistent part that a solve with redundant rows removed from b, to v.b and v.r, and
-/// updates v.scale.
+/// Adds v.null_component, the inconsistent part that a solve removed from b, to v.b and v.r, and updates v.scale.
 void put_back_contradiction(const Factor& factor, const KktMatrix& K, KktVectors& v);
 
 }  // namespace internal
 
-/// Memory for the refinement of row-major panels with K.size() rows.
 struct PanelWork {
   std::vector<double> B;  // right-hand sides, overwritten
   std::vector<double> R;  // residuals, if the caller checks them
@@ -23,9 +20,8 @@ struct PanelWork {
   KktVectors column;
 };
 
-/// Refines X += K^-1 (B - K X), with B = work.B, until each column's residual is a rounding error. X is a panel with
-/// row stride ld, rows in the island's order; all ld columns are refined. Returns the largest residual relative to
-/// |K|_1 |X| + |B|.
+/// Refines X += K^-1 (B - K X), B = work.B, until residuals are rounding errors, in all ld columns of the panel X, rows
+/// in the island's order. Returns the largest residual relative to |K|_1 |X| + |B|.
 double refine_panel(Factor& factor, const KktMatrix& K, double* X, int ld, PanelWork& work);
 
 }  // namespace manycontact
