@@ -95,8 +95,7 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    // Throws if no derivatives of the last solve exist.
-    (void)derivatives(solution);
+    (void)derivatives(solution);  // throws if no derivatives of the last solve exist
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }

@@ -10,9 +10,7 @@ namespace manycontact::lq {
 
 namespace {
 
-// Size of the proximal term, relative to S, if S is semidefinite. As it is about sqrt(eps), each refinement reduces
-// errors by about sqrt(eps).
-constexpr double kProximal = 1e-8;
+constexpr double kProximal = 1e-8;  // relative to semidefinite S; about sqrt(eps), by which a refinement reduces errors
 constexpr int kProximalRefinements = 9;
 
 // Computes in out.w and out.mu the residuals of the equations of w and mu, with x, u, lambda of z and with w = mu = 0.
@@ -127,8 +125,7 @@ Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);
   if (failed < 0) return {};
-  // Even vertices contain mu, odd vertices w.
-  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};
+  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // even: mu, odd: w
 }
 
 void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg) {

@@ -1,6 +1,5 @@
 #pragma once
-// `data.shared` is the part of an action model that residuals and costs in Python can read in calc, calcDiff,
-// createData.
+// `data.shared`: part of an action model that residuals and costs in Python can read in calc, calcDiff, createData.
 
 #include "action.hpp"
 #include "manycontact/action/state.hpp"
@@ -41,8 +40,7 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// Returns the Shared of the innermost running call that has these data. Raises ValueError if no such call is
-  /// running.
+  /// Returns the Shared of the innermost running call that has these data. Raises ValueError if there is none.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:

@@ -10,8 +10,7 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// Returns ActuationModelFull if no robot has a floating base or passive joints, otherwise an actuation of the active
-/// joints.
+/// Returns ActuationModelFull if all joints are actuated and no base floats, otherwise one of the active joints.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
 /// Makes the differential model of a phase. Throws InputError if a term does not fit.
@@ -24,14 +23,12 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  // One entry per phase; null for a phase without impact.
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // per phase; null without impact
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
 /// Returns the scene with a phase's contacts.
 Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
-/// Returns the scene with a phase's contacts and external wrenches.
 Scene scene_in(const TaskFile& task, const TaskPhase& phase);
 /// Returns the number of linearly dependent contact rows at x0, computed without the scene's damping.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
@@ -52,8 +49,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 struct Parts {
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  // Null for an impact, whose terms depend only on the state.
-  std::shared_ptr<ActuationModelAbstract> actuation;
+  std::shared_ptr<ActuationModelAbstract> actuation;  // null for an impact, whose terms depend only on x
   std::shared_ptr<ContactModelMultiple> contacts;
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };

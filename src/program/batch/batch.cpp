@@ -18,8 +18,7 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// The data of a run in one process. `part` contains the islands of this process, or the whole scene if the processes
-/// split the states.
+/// The data of a run in one process. part: the islands of this process, or the scene if processes split the states.
 struct BatchRun {
   ScenePart part;
   std::string name;
@@ -63,8 +62,7 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// Returns the number of states per block: 1 to 4096 states in at most 64 MB. If several processes split the states,
-// there are at least four blocks per process.
+// Returns the number of states per block: 1 to 4096 in at most 64 MB, and at least 4 blocks per process if these share.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());
@@ -117,8 +115,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
-  // In this case the part is the whole scene.
-  if (b.d.cols() == rows * cols) {
+  if (b.d.cols() == rows * cols) {  // the part is the whole scene
     file.write(first * rows * cols, b.d.size(), b.d.data());
     return;
   }
@@ -141,7 +138,6 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   }
 }
 
-// Solves the part at the states first, ..., first+n-1. Writes solutions to b.out, and derivatives to their file.
 void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
@@ -230,8 +226,7 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  // sum also waits for all processes
-  communicator.sum(counts);
+  communicator.sum(counts);  // also waits for all processes
   // The file of solutions comes last, so that the file of derivatives is complete if it exists.
   if (communicator.rank() == 0)
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();

@@ -23,7 +23,6 @@ class Communicator {
   virtual void begin() {}
   virtual void end() {}
 
-  /// Returns the text of rank 0 in all processes.
   virtual std::string told(const std::string& text) { return text; }
   /// Replaces the numbers by their sums over all processes, in every process.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }

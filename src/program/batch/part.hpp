@@ -12,8 +12,7 @@ struct Segment {
 
 struct ScenePart {
   Scene scene;  // has gravity and damping of the whole scene
-  // Segments of coordinates, torques, and (f) of constraint rows of the part's contacts, all of which are active.
-  std::vector<Segment> q, v, u, f;
+  std::vector<Segment> q, v, u, f;  // coordinates, torques, and constraint rows of the contacts, all active
   int nq = 0, nv = 0, nu = 0, nf = 0;  // sizes of the whole scene
   int own_nf = 0;
 };

@@ -53,8 +53,7 @@ struct Chart {
                              // contact rows, 1 island"
   std::string picture;       // file name without extension
   std::vector<ChartRow> rows;
-  // Allowed error of a and f, max(1e-12, 100 eps condition); the allowed error of derivatives is ten times larger.
-  double allowed = 0;
+  double allowed = 0;  // allowed error of a and f, max(1e-12, 100 eps condition); of derivatives ten times that
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors
 };
@@ -86,8 +85,7 @@ void progress(const std::string& text);
 
 // ---- output files -------------------------------------------------------------------------------------------------
 
-/// Writes chart.csv. Throws InputError if the file cannot be written.
-void write_csv(const std::vector<Chart>& charts, const std::string& path);
+void write_csv(const std::vector<Chart>& charts, const std::string& path);  // throws InputError on failure
 /// Writes chart.json for src/program/charts/chart.py, as write_csv. scenes: number of scenes, even without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 

@@ -62,8 +62,7 @@ Options solver_options(const Arguments& arguments);
 /// Returns the text with {methods}, {orders} and {precisions} replaced by the lists of their names.
 std::string with_names(std::string text);
 
-/// Runs the command that the first word names. Prints an exception as one line on standard error. Returns the exit
-/// status.
+/// Runs the command that the first word names. Prints an exception as one line on standard error. Returns exit status.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words);
 
 /// Returns the usage in one line, such as "usage: manycontact solve SCENE [--method M] ...".

@@ -53,8 +53,7 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the target (symbolic links resolved). It gets the permissions of an existing
-// target.
+// Opens a temporary file in the folder of the target (links resolved), with the permissions of an existing target.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);
@@ -72,8 +71,7 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  // This fails on file systems without modes.
-  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);
+  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // fails on file systems without modes
 }
 
 void OutputFile::refuse(int error) const {

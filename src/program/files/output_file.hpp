@@ -12,8 +12,7 @@ namespace manycontact::cli {
 
 /// Returns whether a path is "-", /dev/stdout or another name of descriptor 1.
 bool is_standard_output(const std::string& path);
-/// Returns whether a path is written without a temporary file. That holds for standard output, devices, pipes, and
-/// folders (which cannot be opened for writing).
+/// Returns whether a path is written without a temporary file: standard output, a device, a pipe or a folder.
 bool is_written_straight(const std::string& path);
 
 /// The output file of an option. It is written under a temporary name in the same folder, and renamed when it is
@@ -21,8 +20,7 @@ bool is_written_straight(const std::string& path);
 /// throw InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
-  /// option: the name of the option for error messages, or "" if there is none.
-  explicit OutputFile(std::string path, std::string option = "");
+  explicit OutputFile(std::string path, std::string option = "");  // option: its name for errors, or ""
   /// Opens the temporary file that another process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
   /// Removes the temporary file unless it was published.
@@ -41,8 +39,7 @@ class OutputFile : private std::streambuf {
 
   /// Writes all buffered bytes of this process to the file system, and closes the file.
   void finish();
-  /// Renames the file to its final name. Only the process that created it calls this, after all processes have
-  /// finished.
+  /// Renames the file to its final name. Only the process that created it calls this, after all have finished.
   void publish();
   void close() { finish(), publish(); }
 

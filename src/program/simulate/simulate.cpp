@@ -37,8 +37,7 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  // The spring or joint with the shortest largest step at the start.
-  SpringStep shortest;
+  SpringStep shortest;  // the one with the shortest largest step at the start
   Findings at_start;  // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
                       // ended the run
   std::optional<Recording> view;
@@ -78,8 +77,7 @@ struct Around {
   std::optional<TimeTable> wrenches_in_time;
   Eigen::VectorXd wrenches;  // all external wrenches in one vector
 
-  /// Sets the external wrenches of the next step to the file's wrenches at t, if --wrenches is given.
-  void push(double t, SimulationData& sim) {
+  void push(double t, SimulationData& sim) {  // to those of the file at t, if --wrenches is given
     if (!wrenches_in_time) return;
     wrenches_in_time->at(t, false, wrenches);
     for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)

@@ -28,11 +28,8 @@ class Watch {
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // energy: dissipated by an impact
 
-  // Work of the torques, minus the energy that impacts dissipated [J].
-  double work() const { return work_; }
-  // Work of external wrenches [J].
-  double work_of_wrenches() const { return push_work_; }
-  /// Prints the findings. Copies of a robot or a contact share a line.
+  double work() const { return work_; }  // work of torques, minus energy that impacts dissipated [J]
+  double work_of_wrenches() const { return push_work_; }  // of external wrenches [J]
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
   /// Adds the keys violations, limits_passed and turning_rows, whose items have first_time [s]. Also adds work [J],

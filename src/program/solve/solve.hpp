@@ -10,12 +10,9 @@
 
 namespace manycontact::cli {
 
-/// Median times [us].
 struct Times {
-  // Time of the symbolic analysis of every shape of island, with empty caches.
-  double symbolic = 0;
-  // Time to construct the SceneData, including memory, islands, and symbolic analysis.
-  double setup = 0;
+  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches [us]
+  double setup = 0;  // construction of SceneData: memory, islands, symbolic analysis [us]
   double solve = 0;
   double derivatives = 0;  // 0 unless derivatives were requested
 };
@@ -41,7 +38,6 @@ struct SolvedScene {
 /// derivatives run once before, to warm up.
 SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
-/// Writes the JSON document to `path`. "-" is standard output. Throws InputError if it cannot be written.
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);

@@ -18,8 +18,7 @@ using Lines = std::vector<Line>;
 /// Appends a line. If group and cells equal those of the last line, extends the last line by this copy instead.
 void add_line(Lines& lines, int group, const std::string& name, std::vector<std::string> cells, double size = 0);
 
-/// Prints the `most` largest lines in their order, and the number of the other lines, followed by "none larger" if
-/// `none_larger`.
+/// Prints the `most` largest lines in their order, the number of the others, and, if `none_larger`, "none larger".
 void print_lines(std::ostream& out, Table table, const Lines& lines, std::size_t most, bool none_larger = true);
 
 }  // namespace manycontact::cli

@@ -45,8 +45,7 @@ struct Recording {
                                                               // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                                    // 6 per contact: origins of B' and of the frame that B
                                                               // is attached to, in the world [m]
-  // wrenches: 6 per external wrench (point of application, force); springs: 6 per spring (its ends)
-  std::vector<float> wrenches, springs;
+  std::vector<float> wrenches, springs;  // per wrench 6: point of application, force; per spring 6: its ends
   std::vector<std::uint8_t> flags;  // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 

@@ -32,7 +32,6 @@ bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   });
 }
 
-// Adds advice that names the redundant rows of an island, and the rows that remain.
 void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   if (!ranks.known || ranks.rank == x.island.nc) return;

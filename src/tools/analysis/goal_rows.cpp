@@ -97,8 +97,7 @@ struct GoalRows::Rows {
   double root;  // square root of the goal's weight
   GoalLeft left = {};
 
-  // Appends a row with the error e; returns the row's number.
-  int add(double e) {
+  int add(double e) {  // returns the row's number
     to.e_.push_back(root * e);
     return static_cast<int>(to.e_.size()) - 1;
   }

@@ -9,8 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Limits of q (infinite if there are none). moved_by: per entry of q, the velocity coordinate that moves only it, or
-/// -1.
+/// Limits of q (infinite if none). moved_by: per entry of q, the velocity coordinate that moves only it, or -1.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }

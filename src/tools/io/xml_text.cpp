@@ -115,8 +115,7 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  // Least code point of a character of each length in bytes.
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point per length in bytes
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
@@ -175,8 +174,7 @@ class Characters {
     at_ += count;
   }
 
-  // Skips a section that begins at the current position and does not check its references. checks: whether its
-  // characters are checked.
+  // Skips a section at the current position. Checks its characters if `checks`, but not its references.
   bool section(std::string_view begin, std::string_view end, bool checks) {
     if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());

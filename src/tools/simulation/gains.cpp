@@ -17,8 +17,7 @@ struct Roots {
   Complex first, second;
   Roots(double trace, double det) {
     const Complex root = std::sqrt(Complex(trace * trace / 4 - det));
-    // This sign avoids cancellation.
-    first = trace / 2 + (trace < 0 ? -root : root);
+    first = trace / 2 + (trace < 0 ? -root : root);  // this sign avoids cancellation
     second = first == 0.0 ? 0.0 : det / first;
   }
 };

@@ -19,8 +19,7 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
 }
 
-/// Return the displacement that end_free_motion adds to a free joint, and the velocity that it adds at the point `at`,
-/// in world axes.
+/// Return the displacement, and the velocity at the point `at`, that end_free_motion adds to a free joint (world axes).
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 

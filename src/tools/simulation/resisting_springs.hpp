@@ -64,8 +64,7 @@ struct ResistingSprings {
   Eigen::VectorXd of_used;
   Eigen::LLT<Eigen::MatrixXd> factor;           // used for many rows
   Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;  // used for few rows, and if `factor` fails
-  // Sparse J K^-1 J^T: entries of all rows, and of the rows in the factorization.
-  std::vector<Eigen::Triplet<double>> entries, own_entries;
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // entries of all rows; of the rows in the factorization
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
@@ -88,8 +87,7 @@ void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
 /// Adds external wrenches and joint springs at the start of the step to data.w. Evaluates data.applied at this state.
 void add_loads(const Scene& scene, SimulationData& data);
-/// Finds the rows of all springs. Requires add_loads. Sets data.w to NaN for a spring of length zero, which has no
-/// direction.
+/// Finds the rows of all springs. Requires add_loads. Sets data.w to NaN for a spring of length zero (no direction).
 void take_springs(const Scene& scene, SimulationData& data);
 /// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. With
 /// data.in_batches, the solve adds M v and the bias to b. If SIMD batches fail, b and data.tau contain these terms.

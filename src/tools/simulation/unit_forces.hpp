@@ -7,8 +7,7 @@
 
 namespace manycontact::internal {
 
-/// Finds sets of robots coupled by contacts flagged `active`, or also by springs. first[r] is the first robot of the
-/// set that contains r.
+/// Finds sets of robots coupled by active contacts, or also by springs. first[r]: first robot of the set with r.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
@@ -28,8 +27,7 @@ class UnitTorques {
   void place(const Scene& scene, const Eigen::VectorXd& q);
   void clear();
   void add(const UnitForce& force, double amount);
-  /// Returns the torques U x (nv), where x are the amounts of the added forces. The reference is valid until the next
-  /// call.
+  /// Returns the torques U x (nv), with x the amounts of the added forces. The reference is valid until the next call.
   const Eigen::VectorXd& torques();
   /// Stores a velocity or acceleration a (nv), of which `along` returns components. Clears the sum of added forces.
   void look(const Eigen::VectorXd& a);
@@ -51,10 +49,8 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  // One entry per spring: index of the wrench on its end, or -1 if the end is fixed to the world.
-  std::vector<int> push_[2];
-  // One entry per spring: island of its end, or -1 if the end is fixed to the world.
-  std::vector<int> island_of_end_[2];
+  std::vector<int> push_[2];  // per spring: index of the wrench on its end, or -1 if the end is fixed to the world
+  std::vector<int> island_of_end_[2];  // per spring: island of its end, or -1 if the end is fixed to the world
   Scene ends_;  // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;
   AppliedScratch scratch_;

@@ -16,7 +16,6 @@ bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMulti
 
 /// Sets the rows and columns of the islands, and the sparsity patterns of Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
-/// Sets the sizes of the contacts' data.
 void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 
 /// Computes Jc, a0 and f of each active contact.

@@ -57,8 +57,7 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the gradient `slope` of control i to `worst`. With limits, adds u - P(u - slope) instead, where P projects onto
-// the limits.
+// Adds the gradient `slope` of control i to `worst`, or, with limits, u - P(u - slope) with P projecting onto these.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())

@@ -54,8 +54,7 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // take_torques adds torques of external wrenches and springs to those of the motors. differentiate_torques computes
-  // dtau_dx_.
+  // take_torques adds torques of external wrenches and springs to the motors'; differentiate_torques computes dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {
@@ -63,8 +62,7 @@ struct HeldVelocities {
   }
   std::vector<RobotWork> robots_;
   Eigen::VectorXd turn_, scratch_of_end_;  // nv: -w x v
-  // nv: torques of motors, external wrenches and springs, and the same without the bias
-  Eigen::VectorXd torques_, torques_of_motion_;
+  Eigen::VectorXd torques_, torques_of_motion_;  // of motors, external wrenches, springs; the same without bias
   Eigen::SparseMatrix<double> dtau_dx_;  // nv x ndx: derivatives of torques_; every entry is stored
   // Null if there are no applied forces.
   std::unique_ptr<AppliedForces<double>> applied_;

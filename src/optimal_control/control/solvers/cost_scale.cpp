@@ -11,10 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Smallest Hessian of controls, and largest Hessian, for which the cost is not scaled.
-constexpr double kSmall = 1e-6, kLarge = 1e7;
-// Hessian of controls, and largest Hessian, after scaling
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;
+constexpr double kSmall = 1e-6, kLarge = 1e7;  // cost is not scaled: least Hessian of controls, largest Hessian
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
 
 // The largest absolute values on the diagonals of Lxx (all) and Luu (controls).
 struct Sizes {
@@ -50,8 +48,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 }  // namespace
 
 CostScale cost_scale(const ShootingProblem& problem) {
-  // The smallest nonzero Hessian of controls of a node, and the largest Hessian of all nodes.
-  double controls = 0, all = 0;
+  double controls = 0, all = 0;  // smallest nonzero Hessian of controls of a node, largest Hessian of all nodes
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
     add_node(*problem.data(t), own);

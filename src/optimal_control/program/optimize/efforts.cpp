@@ -23,8 +23,7 @@ struct Torque {
 struct Bore {
   int nodes = 0;
   double least = INFINITY, most = 0;  // least and largest normal force [N]
-  // Largest ratio of tangential to normal force, and smallest friction coefficient of the cones.
-  double ratio = 0, mu = INFINITY;
+  double ratio = 0, mu = INFINITY;  // largest tangential/normal force, smallest mu of the cones
 };
 
 void add_force(const Eigen::Vector2d& pressure, double mu, Bore& bore) {

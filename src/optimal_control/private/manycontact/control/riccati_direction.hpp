@@ -22,8 +22,7 @@ class RiccatiDirection : public Direction {
   /// Make the step of node t from the value function of node t + 1. compute_action_value_function must be called first,
   /// then compute_gains, then compute_value_function. In another order they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
-  /// Computes the gains of node t. Returns false if Quu is not positive definite.
-  virtual bool compute_gains(std::size_t t);
+  virtual bool compute_gains(std::size_t t);  // false if Quu is not positive definite
   void compute_value_function(std::size_t t);
 
   const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
@@ -45,8 +44,7 @@ class RiccatiDirection : public Direction {
  protected:
   void step_control(std::size_t t, double steplength) override;
   virtual void limit_control(std::size_t) {}  // clamps us_try[t] to the limits
-  /// Sets gradient entries of node t to zero for controls at limits that a descent would exceed. Records these
-  /// controls.
+  /// Records the controls of node t at limits that a descent would exceed, and sets their gradient entries to zero.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -91,8 +89,7 @@ class BoxDirection : public RiccatiDirection {  // A direction within the models
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
   Eigen::VectorXd du_lb_, du_ub_;  // bounds of du at the current node
-  // Flags of the controls of each node that were at a limit in the last gradient.
-  std::vector<std::vector<bool>> held_;
+  std::vector<std::vector<bool>> held_;  // flags of each node's controls at a limit in the last gradient
 };
 
 }  // namespace manycontact

@@ -1,8 +1,7 @@
 #pragma once
-// Factorizes a sparse symmetric matrix of dense blocks as S = L D L^T. D is diagonal, and has the given sign (+1 or -1)
-// of each diagonal block, so that the pivot block times its sign has a Cholesky factor. The factor exists in every
-// order of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for
-// sign -1.
+// Factorizes a sparse symmetric matrix of dense blocks as S = L D L^T. D is diagonal with the given sign (+1 or -1) of
+// each diagonal block. The factor exists in every order of elimination if S is quasi-definite (Vanderbei 1995):
+// positive definite for sign +1, negative definite for sign -1.
 
 #include <Eigen/Core>
 #include <utility>
@@ -23,8 +22,7 @@ class BlockCholesky {
   void analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges);
 
   void set_zero();
-  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the transposed place. A symmetric M on the
-  /// diagonal is added only once.
+  /// Adds M to S at row i of vertex u and column j of v, and M^T transposed; a symmetric M on the diagonal only once.
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
   void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 
@@ -58,7 +56,6 @@ class BlockCholesky {
   Eigen::VectorXd largest_;  // workspace
 };
 
-/// Returns the number of operations of factorize.
 double block_cholesky_flops(const std::vector<BlockCholesky::Vertex>& vertices,
                             const std::vector<std::pair<int, int>>& edges);
 

@@ -39,7 +39,6 @@ struct CouplingGraph {
 /// Lists the couplings. The plan must be made with Join::kNoCouplings.
 CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan);
 
-/// Returns the predicted number of operations of CouplingSchur::factorize.
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph);
 
 }  // namespace manycontact::lq

@@ -40,15 +40,13 @@ struct SymplecticStructure {
 /// and nv = nu + nw. Q and R must be symmetric, because entries of both triangles are read.
 struct Group {
   std::vector<int> blocks;
-  // Indices in the knot of the group's couplings, in the order of v_g and of the rows of C.
-  std::vector<int> couplings;
+  std::vector<int> couplings;  // in the knot, in the order of v_g and of the rows of C
 
   Eigen::MatrixXd Q, S, R;  // nx x nx, nx x nv, nv x nv
   Eigen::VectorXd q, r;     // nx, nv
   Eigen::MatrixXd A, B;     // nx x nx, nx x nv; unused in the terminal knot
   Eigen::VectorXd f;        // nx: the gap, in a step of Newton's method
-  // Structure of A and B, if it is known; A and B contain all entries in any case.
-  std::optional<SymplecticStructure> steps;
+  std::optional<SymplecticStructure> steps;  // structure of A and B, if known; these are complete in any case
   Eigen::MatrixXd C, D;  // nc x nx, nc x nv
   Eigen::VectorXd d;     // nc
 };

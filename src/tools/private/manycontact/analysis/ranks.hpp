@@ -37,17 +37,15 @@ struct Lighter {
 };
 
 struct IslandRanks {  // Result of find_ranks for one island.
-  // Whether rank and redundant are computed; they are not if the island is too large.
-  bool known = false;
+  bool known = false;  // whether rank and redundant are computed; they are not if the island is too large
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: whether it depends on the rows before it
   std::vector<BodyPair> pairs;  // sorted by their first contacts
   std::vector<Lighter> lighter;
 };
 
-/// Finds an island's ranks after a solve, whatever its status. If nv nc^2 exceeds 3e9, only the ranks of body pairs are
-/// computed, and `known` is false. If the island is too deep to store J, nothing is computed. Throws std::logic_error
-/// before a solve.
+/// Finds an island's ranks after a solve of any status; throws std::logic_error before a solve. Computes only the ranks
+/// of body pairs if nv nc^2 exceeds 3e9 (`known` is then false), and none if the island is too deep to store J.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
 /// Names of an island's rows, and of its contacts without the redundant rows.
@@ -73,8 +71,7 @@ std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std:
 
 namespace internal {
 
-/// The norm of each row's component orthogonal to the preceding independent rows, divided by the row's scale
-/// (rank/row_size.hpp).
+/// The norm of each row's part orthogonal to preceding independent rows, divided by its scale (rank/row_size.hpp).
 struct RowRemainders {
   std::vector<double> left;             // empty if J is not stored in joint space
   double dependent = tolerance::kRank;  // rows with remainders up to this threshold are dependent; it is chosen

@@ -17,8 +17,7 @@
 
 namespace manycontact::internal {
 
-/// The largest number of solves in a step in which Newton's method finds the sticking joints.
-constexpr int kMostSolves = 50;
+constexpr int kMostSolves = 50;  // most solves per step in which Newton's method finds the sticking joints
 /// A joint sticks below this speed [rad/s, m/s].
 constexpr double kStickVelocity = 1e-6;
 
@@ -40,27 +39,21 @@ struct ResistingJoints {
   bool vary = false;
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
-  // State of Newton's method per entry of `rubbing`: v and K (v - v0) before and after a solve.
   bool begun = false;
-  Eigen::VectorXd speed, force, next_speed, next_force;
-  // island: number of the joint's island, each of which has its own line search; order: `rubbing` sorted by island
-  std::vector<int> island, order;
+  Eigen::VectorXd speed, force, next_speed, next_force;  // per entry of `rubbing`: v, K (v - v0); after a solve
+  std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
   /// Computes to_add for steps of size h.
   void find(const Scene& scene, const PdLaws& pd, double h);
   /// Returns the scene with to_add in its armatures, without dampers and friction.
   Scene with_inertias(const Scene& scene);
-  /// Returns whether the scene that with_inertias made still fits to_add. If not, call with_inertias again.
-  bool fits(const Scene& scene) const;
+  bool fits(const Scene& scene) const;  // whether the scene that with_inertias made still fits to_add
 
-  /// Sets the inertias of joints that stick. Must be called before each solve.
-  void set_inertias(const Scene& scene, double h);
-  /// Returns the inertia that is added to coordinate i.
-  double inertia(int i, double h) const {
+  void set_inertias(const Scene& scene, double h);  // of joints that stick; to be called before each solve
+  double inertia(int i, double h) const {  // added to coordinate i
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
-  /// Returns the part of inertia(i, h) that resists v.
-  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }
+  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }  // part of inertia that resists v
   /// Subtracts scale times the friction force of sliding joints from b (nv).
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
