@@ -72,8 +72,7 @@ py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
 }
 
-/// Throws TypeError for None and text, which numpy would convert to numbers.
-void expect_numbers_in(py::handle values);
+void expect_numbers_in(py::handle values);  // throws TypeError for None and text, which numpy would convert to numbers
 
 /// Assigns values to m as `m[...] = values` does in numpy: `values` has the shape of m, or broadcasts to it.
 template <class M>

@@ -46,8 +46,8 @@ class Data {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
     const Scene* checked_scene = nullptr;  // scene at the last check of force_of
-    std::uint64_t checked_serial = 0;  // serial of that solve
-    std::vector<char> checked_active;  // flags of the contacts
+    std::uint64_t checked_serial = 0;      // serial of that solve
+    std::vector<char> checked_active;      // flags of the contacts
   };
   struct Turn {
     explicit Turn(State& s) : state(s) {

@@ -84,7 +84,7 @@ template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  std::function<int(const std::string&)> number = {};  // index of the item with this name, or -1
+  std::function<int(const std::string&)> number = {};        // index of the item with this name, or -1
   std::function<std::string(const std::string&)> none = {};  // message for an unknown name
 };
 

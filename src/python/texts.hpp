@@ -11,7 +11,7 @@ namespace py = pybind11;
 namespace manycontact::python {
 
 struct Text {
-  const char* key;  // such as "solve", "Scene", "Scene.contacts"
+  const char* key;         // such as "solve", "Scene", "Scene.contacts"
   const char* parameters;  // one per line: "x", "x not None", "x=default" (a Python expression), or "*"
   const char* doc;
 };
@@ -43,8 +43,7 @@ std::string type_name() {
 /// Sets the module whose names may occur in default values of parameters.
 void set_names_of_defaults(const py::module_& m);
 
-/// A pybind11 attribute that gives a function the parameters and the docstring of its entry.
-struct Described {
+struct Described {  // a pybind11 attribute that gives a function the parameters and the docstring of its entry
   const Text& text;
 };
 void describe(const Text& text, py::detail::function_record* function);

@@ -40,8 +40,7 @@ void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_
   }
 }
 
-// The scene of an action model, and its solution.
-struct DataCollector::Own {
+struct DataCollector::Own {  // the scene of an action model, and its solution
   Own(const Scene& s, const Options& options) : scene(s), solution(scene, options) {}
   Scene scene;
   SceneData solution;

@@ -160,7 +160,7 @@ void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx
 void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                            Jcomponent which) const {
   Eigen::VectorXd dx(ndx_);
-  StateMultibody::diff(x0, x1, dx);  // of this class, even if a derived class overrides it
+  StateMultibody::diff(x0, x1, dx);  // the diff of this class, even if a derived class overrides it
   const auto fill = [&](bool of_x0, MatrixRef J) {
     check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     J.setZero();

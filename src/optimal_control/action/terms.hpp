@@ -5,8 +5,7 @@
 
 namespace manycontact::internal {
 
-/// The terms of an action model. constraints is null if there are none.
-struct ActionTerms {
+struct ActionTerms {  // The terms of an action model. constraints is null if there are none.
   const CostModelSum& costs;
   const ConstraintModelManager* constraints;
 };

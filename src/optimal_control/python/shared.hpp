@@ -31,8 +31,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// Registers a call to Python in this thread during its lifetime, so that `data` can read their `shared`.
-class Scope {
+class Scope {  // registers a call to Python in this thread during its lifetime, so that `data` can read their `shared`
  public:
   template <class Model, class Data>
   Scope(const Model& model, const Data& data) {

@@ -137,8 +137,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-// One solve, with its task, problem, settings and result.
-struct Run {
+struct Run {  // one solve, with its task, problem, settings and result
   const TaskFile& task;
   TaskProblem& problem;
   const TaskOptions& options;
@@ -243,7 +242,7 @@ bool stayed_at_guess(const TaskSolution& s) {
 bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
   constexpr int kTries = 4;
   constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
-  constexpr double kFall = 1e-10;  // least decrease, relative to the cost; above its rounding error
+  constexpr double kFall = 1e-10;   // least decrease, relative to the cost; above its rounding error
   std::mt19937 random(1);
   std::normal_distribution<double> change(0, kChange * internal::largest_number(us));
   const Vectors centre = us;

@@ -199,8 +199,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and the blocks of these robots (as indices within the part).
-struct Part {
+struct Part {  // a part of the scene: its robots, and the blocks of these robots (as indices within the part)
   std::vector<int> robots;
   TaskFile task;
   std::vector<std::vector<int>> blocks;

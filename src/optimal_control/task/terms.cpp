@@ -14,8 +14,7 @@ namespace manycontact::task {
 
 namespace {
 
-// One residual of a term, for one copy of a robot or contact, or for all copies.
-struct Residual {
+struct Residual {    // one residual of a term, for one copy of a robot or contact, or for all copies
   std::string name;  // the term's name, followed by the copy's number if there are several
   std::shared_ptr<ResidualModelAbstract> model;
   int copies = 1;                // number of repetitions of the term's weights and bounds

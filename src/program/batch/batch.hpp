@@ -34,7 +34,6 @@ class Communicator {
 /// Runs the command as one process of the communicator. Returns the exit status.
 int run_batch(const Arguments& arguments, Communicator& communicator);
 
-/// Returns whether this process is one of several that mpirun started.
-bool under_mpirun();
+bool under_mpirun();  // returns whether this process is one of several that mpirun started
 
 }  // namespace manycontact::cli

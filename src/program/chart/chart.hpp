@@ -44,8 +44,7 @@ struct ChartRow {
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
-  /// Returns the damping as text, such as "1e-6", or "none" for 0.
-  std::string regularisation() const;
+  std::string regularisation() const;  // returns the damping as text, such as "1e-6", or "none" for 0
 };
 
 struct Chart {
@@ -63,8 +62,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
 // ---- steps of make_chart ------------------------------------------------------------------------------------------
 
-/// A row of the chart, with the scene and the data with which it is computed.
-struct Candidate {
+struct Candidate {  // a row of the chart, with the scene and the data with which it is computed
   ChartRow* row = nullptr;
   Scene scene;  // the scene, but with the row's damping
   std::unique_ptr<SceneData> data;

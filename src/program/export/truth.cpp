@@ -8,9 +8,9 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr int kMostSteps = 40;  // most refinement steps; each gains digits if eps |K| |K^-1| is below 1
+constexpr int kMostSteps = 40;        // most refinement steps; each gains digits if eps |K| |K^-1| is below 1
 constexpr double kConverged = 1e-20;  // largest relative last correction of a solution that is accepted
-constexpr double kMostDigits = 32;  // of 34 digits, the residual of many terms loses about two
+constexpr double kMostDigits = 32;    // the residual of many terms loses about two of 34 digits
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
   VecX<Quad> r = b.cast<Quad>();

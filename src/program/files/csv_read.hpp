@@ -23,8 +23,8 @@ class CsvReader {
 
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return column_.contains(name); }
-  std::size_t column(const std::string& name) const;  // throws InputError if there is no column `name`
-  [[noreturn]] void fail(const std::string& message) const;  // with the number of the last line that was read
+  std::size_t column(const std::string& name) const;         // throws InputError if there is no column `name`
+  [[noreturn]] void fail(const std::string& message) const;  // adds the number of the last line that was read
 
  private:
   std::string path_;

@@ -28,8 +28,7 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  // Lets exceptions of write() pass through the stream's operators.
-  stream_.exceptions(std::ios::badbit);
+  stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
   if (is_standard_output(path_)) {
     std::cout.flush();  // earlier output of std::cout must precede that of this file
     file_ = dup(STDOUT_FILENO);

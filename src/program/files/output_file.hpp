@@ -23,8 +23,7 @@ class OutputFile : private std::streambuf {
   explicit OutputFile(std::string path, std::string option = "");  // option: its name for errors, or ""
   /// Opens the temporary file that another process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
-  /// Removes the temporary file unless it was published.
-  ~OutputFile() override;
+  ~OutputFile() override;  // removes the temporary file unless it was published
   OutputFile(const OutputFile&) = delete;
 
   const std::string& path() const { return path_; }
@@ -37,8 +36,7 @@ class OutputFile : private std::streambuf {
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// Writes all buffered bytes of this process to the file system, and closes the file.
-  void finish();
+  void finish();  // writes all buffered bytes of this process to the file system, and closes the file
   /// Renames the file to its final name. Only the process that created it calls this, after all have finished.
   void publish();
   void close() { finish(), publish(); }

@@ -42,8 +42,7 @@ class Control {
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
-  /// Sets pd.q_ref and pd.v_ref to the reference at time t.
-  void set_pd(double t, PdLaws& pd);
+  void set_pd(double t, PdLaws& pd);  // sets pd.q_ref and pd.v_ref to the reference at time t
   /// Returns the torques of torques_at plus those of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 

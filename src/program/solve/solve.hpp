@@ -12,15 +12,14 @@ namespace manycontact::cli {
 
 struct Times {
   double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches [us]
-  double setup = 0;  // construction of SceneData: memory, islands, symbolic analysis [us]
+  double setup = 0;     // construction of SceneData: memory, islands, symbolic analysis [us]
   double solve = 0;
   double derivatives = 0;  // 0 unless derivatives were requested
 };
 
 struct SolvedScene {
   const SceneFile& file;
-  // Solved, with condition and errors estimated.
-  SceneData data;
+  SceneData data;  // solved, with condition and errors estimated
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
@@ -29,9 +28,8 @@ struct SolvedScene {
   std::vector<SystemQuality> quality = {};               // one entry per island, or empty
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
-  // Result of unique_forces, one entry per row of data.f; empty if not requested.
-  std::vector<char> unique = {};
-  bool compare = false;  // whether to compare with the dense reference solver even if it is slow
+  std::vector<char> unique = {};  // result of unique_forces, one entry per row of data.f; empty if not requested
+  bool compare = false;           // whether to compare with the dense reference solver even if it is slow
 };
 
 /// Solves the scene, and measures set-up, analysis, solve and, if requested, derivatives `repeat` times each. Solve and

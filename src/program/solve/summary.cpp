@@ -38,8 +38,7 @@ std::string status_in_words(const Report& report, double damping) {
   return "";
 }
 
-// Islands with equal results, which share a line of the summary.
-struct Alike {
+struct Alike {  // islands with equal results, which share a line of the summary
   std::vector<const Island*> islands;
   std::size_t number;   // number of the first island
   IslandReport report;  // report of the first island, with the largest residuals, condition and errors of all

@@ -32,8 +32,7 @@ struct EnergyRow {
   double drift;  // constraint violation of positions at this step [m, rad]
 };
 
-// One run of the energy chart.
-struct EnergyRun {
+struct EnergyRun {  // one run of the energy chart
   Integrator integrator;
   std::string gains;
   double h;

@@ -7,8 +7,7 @@
 namespace manycontact::cli {
 
 std::string group_name(const RobotGroup& group);  // such as "humanoid", or "herd x64" for copies
-/// Returns the counts of joint types, such as "1 floating, 32 revolute".
-std::string joint_types(const Model& model);
+std::string joint_types(const Model& model);  // returns the counts of joint types, such as "1 floating, 32 revolute"
 /// Returns names of robots such as "a, b, beam". All copies of a group have one name, such as "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// Returns the names of the robots of several islands as robot_names does, such as "herd0 .. herd63".

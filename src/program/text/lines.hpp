@@ -5,8 +5,7 @@
 
 namespace manycontact::cli {
 
-/// A line of a table, ranked by `size`.
-struct Line {
+struct Line {     // a line of a table, ranked by `size`
   int group = 0;  // number of the group of copies that the line belongs to
   std::string first, last;
   std::vector<std::string> cells;

@@ -26,8 +26,7 @@ Json json_of(const SE3<double>& at) {
   return list;
 }
 
-// The meshes of a scene, each once.
-struct Meshes {
+struct Meshes {  // the meshes of a scene, each once
   Json list = Json::array();
   std::map<std::string, int> index;  // key: path; value: position in `list`, or -1 if the mesh cannot be read
   std::set<std::string> lost;        // names of missing meshes as in the URDF, and the reasons

@@ -27,8 +27,7 @@ Eigen::VectorXd numbers(const CsvReader& row, const Columns& list) {
   return out;
 }
 
-// Reads the forces of states from a separate file.
-class Forces {
+class Forces {  // reads the forces of states from a separate file
  public:
   Forces(const std::string& path, const Scene& scene) : row_(path) {
     for (const Contact& contact : scene.contacts) {

@@ -90,8 +90,7 @@ RigidBodies bodies_of(const Scene& scene, int robot) {
 
 }  // namespace
 
-// Appends the rows of one goal to the errors e_ and the Jacobian J_.
-struct GoalRows::Rows {
+struct GoalRows::Rows {  // appends the rows of one goal to the errors e_ and the Jacobian J_
   GoalRows& to;
   bool with_jacobian;
   double root;  // square root of the goal's weight

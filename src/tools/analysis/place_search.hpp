@@ -33,8 +33,7 @@ class PlaceSearch {
   int tries() const { return tries_; }
   /// Returns whether the last run ended because it reached the largest number of steps.
   bool out_of_steps() const { return out_of_steps_; }
-  /// Returns whether a goal depends on the robot's coordinates. Requires a run.
-  bool moves(int robot) const;
+  bool moves(int robot) const;  // Returns whether a goal depends on the robot's coordinates. Requires a run.
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
 
  private:

@@ -23,8 +23,7 @@ bool consistent(const Element& root) { return root.flag("consistent", false); }
 
 int restarts(const Element& root) { return root.has("restarts") ? root.count("restarts", 0, 1000000) : 0; }
 
-// Reads a scene file and the files it includes, each in place of its <include>.
-class IncludeReader {
+class IncludeReader {  // reads a scene file and the files it includes, each in place of its <include>
  public:
   explicit IncludeReader(SceneElements& out) : out_(out) {}
 

@@ -10,8 +10,7 @@
 
 namespace manycontact::io {
 
-/// A position in a file, for error messages. The string `file` must outlive it.
-struct Where {
+struct Where {  // A position in a file, for error messages. The string `file` must outlive it.
   const std::string* file;
   int line;
   [[noreturn]] void fail(const std::string& message) const { throw InputError(*file, line, message); }
@@ -31,11 +30,9 @@ std::string file_problem(const std::string& path, bool only_regular = false);
 /// references such as &#xD800; to no XML character. Keeps line breaks, and comments undecoded.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
-/// Returns the shortest decimal number that reads back as x.
-std::string show(double x);
+std::string show(double x);  // returns the shortest decimal number that reads back as x
 
-/// Splits `text` at white space.
-std::vector<std::string_view> words(std::string_view text);
+std::vector<std::string_view> words(std::string_view text);  // splits `text` at white space
 
 /// Parses one finite number. what: the number's name in error messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);

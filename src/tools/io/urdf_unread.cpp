@@ -23,8 +23,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Combines findings of similar elements into one finding, reported at the first of these elements.
-class Unread {
+class Unread {  // combines findings of similar elements into one finding, reported at the first of these elements
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
 

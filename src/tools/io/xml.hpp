@@ -15,8 +15,7 @@
 
 namespace manycontact::io {
 
-/// A view of one XML element. Its XmlFile must outlive it.
-class Element {
+class Element {  // A view of one XML element. Its XmlFile must outlive it.
  public:
   Element(const std::string& file, const tinyxml2::XMLElement& element) : file_(&file), element_(&element) {}
 
@@ -87,8 +86,7 @@ class Element {
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 
-  /// Returns "attribute of <name>" for messages.
-  std::string label(const char* attribute) const;
+  std::string label(const char* attribute) const;  // returns "attribute of <name>" for messages
 
  private:
   const std::string* file_;

@@ -98,8 +98,7 @@ bool is_xml_character(std::uint32_t c) {
          (c >= 0x10000 && c < 0x110000);
 }
 
-// A UTF-8 character and its length in bytes. The length is 0 if the bytes are not a valid character.
-struct Decoded {
+struct Decoded {  // A UTF-8 character and its length in bytes. The length is 0 if the bytes are not a valid character.
   std::uint32_t character = 0;
   std::size_t length = 0;
 };

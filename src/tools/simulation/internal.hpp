@@ -35,8 +35,7 @@ void bound_energy(const Scene& scene, SimulationData& data);
 /// Computes data.at_rest.kin at q, v, and data.tau = -h times the inverse dynamics at q, v, data.stop.
 void find_momentum(SimulationData& data);
 
-/// Copies data.f and data.f_offset from data.dynamics.
-void keep_forces(SimulationData& data);
+void keep_forces(SimulationData& data);  // copies data.f and data.f_offset from data.dynamics
 
 /// Compute the state after a step in next_q, next_v. Return false if a solve failed.
 [[nodiscard]] bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& data);

@@ -38,8 +38,7 @@ void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// Returns the angular velocity dw with I dw = dL. dw is 0 about axes without inertia, and normal to a group's plane.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// The rigid body that several free groups would form if they did not move relative to each other.
-struct OneBody {
+struct OneBody {  // the rigid body that several free groups would form if they did not move relative to each other
   double m = 0;
   Vec3<double> C = Vec3<double>::Zero();
   Mat3<double> I = Mat3<double>::Zero();         // inertia about C

@@ -16,14 +16,14 @@ namespace internal {
 struct BoundedEnergy {
   Eigen::ArrayX2d account;  // columns: energy springs may still give, its maximum; kept between steps; NaN: unknown
   std::vector<int> cluster;
-  Eigen::VectorXd before, without;  // of bodies: at the start; after a step without springs, minus other forces' work
-  Eigen::VectorXd given, most;  // energy that springs gave in this step; the largest that they can contain
-  Eigen::VectorXd fast_given;  // energy that springs faster than the step gave
-  Eigen::VectorXd kinetic, relative;  // at the step's end: kinetic energy; its part relative to the rigid motions
-  std::vector<OneBody> bodies;  // one entry per free cluster
+  Eigen::VectorXd before, without;    // bodies: at the start; after a step without springs, minus other forces' work
+  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest that they can contain
+  Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
+  Eigen::VectorXd kinetic, relative;  // kinetic energy at the step's end; its part relative to the rigid motions
+  std::vector<OneBody> bodies;        // one entry per free cluster
   struct Stretched {
     Eigen::VectorXd all, fast;
-  } at_start, at_end;  // energies of all springs, and of springs faster than the step
+  } at_start, at_end;              // energies of all springs, and of springs faster than the step
   Eigen::VectorXd share, rigid_v;  // factor on velocities relative to the rigid motion; rigid-motion velocities (nv)
 
   std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world
@@ -51,12 +51,10 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;  // whether the members at_rest and dynamics were created
-  // The scene with added inertias; null if SimulationData::at_rest is used.
-  std::unique_ptr<SceneAtRest> at_rest;
-  std::unique_ptr<SceneData> dynamics;  // data of at_rest
-  // Empty if there are no springs between points.
-  std::optional<internal::ResistingSprings> springs;
+  bool made = false;                     // whether the members at_rest and dynamics were created
+  std::unique_ptr<SceneAtRest> at_rest;  // the scene with added inertias; null if SimulationData::at_rest is used
+  std::unique_ptr<SceneData> dynamics;   // data of at_rest
+  std::optional<internal::ResistingSprings> springs;  // empty if there are no springs between points
   internal::BoundedEnergy bounded;
 };
 

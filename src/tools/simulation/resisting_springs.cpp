@@ -109,8 +109,8 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias to b, and returns whether that succeeded. If batches cannot
-// solve, it returns nothing, and these terms are in b and d.tau instead.
+// Solves K v+ = b in SIMD batches, which add M v and the bias to b, and returns whether that succeeded. If batches
+// cannot solve, it returns nothing, and these terms are in b and d.tau instead.
 std::optional<bool> solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return std::nullopt;
   d.next_contact_v.resize(d.wanted.size());

@@ -14,8 +14,7 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-// Most joints with forces in a robot for which mobilities are computed.
-constexpr int kMostAsked = 100;
+constexpr int kMostAsked = 100;  // most joints with forces in a robot for which mobilities are computed
 
 // Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
 struct JointForces {
@@ -73,7 +72,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  rest.follow(scene, 0);  // with zero gains, placement errors do not affect mobilities
+  rest.follow(scene, 0);  // zero gains: placement errors do not affect mobilities
   SceneData data(rest.scene);
   data.active = active;
   unit.place(scene, q);

@@ -25,8 +25,8 @@ struct SimulationBatch::Part {
   std::vector<signed char> slip;
   long steps = 0;
   std::unique_ptr<SimulationData> own;  // null if the thread's data are used
-  std::vector<SimulationData> alone;  // empty, or one entry per state
-  Eigen::VectorXd u;                  // workspace
+  std::vector<SimulationData> alone;    // empty, or one entry per state
+  Eigen::VectorXd u;                    // workspace
 };
 
 struct SimulationBatch::Work {

@@ -11,13 +11,10 @@ namespace manycontact::internal {
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
-  // Index of a spring between points, whose ends on `island` the force acts on.
-  int spring = -1;
+  int spring = -1;  // index of a spring between points, whose ends on `island` the force acts on
   Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; B's end gets the opposite
-  // Index of a joint's coordinate in the scene's v, on which the force acts.
-  int coordinate = -1;
-  // Set by UnitTorques; forces with the same number are on different islands.
-  int island = -1, number = 0;
+  int coordinate = -1;          // index of a joint's coordinate in the scene's v, on which the force acts
+  int island = -1, number = 0;  // set by UnitTorques; forces with the same number are on different islands
 };
 
 class UnitTorques {
@@ -49,9 +46,9 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  std::vector<int> push_[2];  // per spring: index of the wrench on its end, or -1 if the end is fixed to the world
-  std::vector<int> island_of_end_[2];  // per spring: island of its end, or -1 if the end is fixed to the world
-  Scene ends_;  // the robots, with an external wrench in world axes at each movable end
+  std::vector<int> push_[2];  // one per spring: index of the wrench on its end, or -1 if the end is fixed to the world
+  std::vector<int> island_of_end_[2];  // one per spring: island of its end, or -1 if the end is fixed to the world
+  Scene ends_;                         // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;
   AppliedScratch scratch_;
   std::vector<int> robots_;

@@ -8,8 +8,8 @@ namespace {
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   std::vector<std::vector<Vec6<double>>> v, h;  // body velocities, subtree momenta for w, per robot and joint
-  Eigen::VectorXd w;     // velocity jump v+ - v (nv)
-  Eigen::MatrixXd Jcom;  // 3 x nv
+  Eigen::VectorXd w;                            // velocity jump v+ - v (nv)
+  Eigen::MatrixXd Jcom;                         // 3 x nv
 };
 
 }  // namespace

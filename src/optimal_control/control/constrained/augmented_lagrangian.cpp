@@ -25,7 +25,7 @@ constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
 constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this multiple of m
-constexpr double kHoped = 0.3;  // expected multiple of m after the next minimisation
+constexpr double kHoped = 0.3;     // expected multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
@@ -33,11 +33,11 @@ constexpr int kFlat = 2;                // consecutive minimisations without a s
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
 constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
 constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
-constexpr int kWindow = 10;  // number of iterations between two tests for slow convergence of a minimisation
-constexpr double kSlow = 0.1;  // Gauss-Newton is slow if `stop` exceeds this multiple of `stop` two iterations ago
+constexpr int kWindow = 10;             // number of iterations between two tests for slow convergence of a minimisation
+constexpr double kSlow = 0.1;       // Gauss-Newton is slow if `stop` exceeds this multiple of `stop` two iterations ago
 constexpr double kStillSlow = 0.3;  // and if `stop` exceeds this multiple of `stop` one iteration ago (see kSlow)
-constexpr double kNearer = 0.1;  // quasi-Newton steps are retried below this multiple of `stop` at their failure
-constexpr double kCrawl = 0.01;  // smallest useful reduction, relative to the constraints' terms
+constexpr double kNearer = 0.1;     // quasi-Newton steps are retried below this multiple of `stop` at their failure
+constexpr double kCrawl = 0.01;     // smallest useful reduction, relative to the constraints' terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();

@@ -18,8 +18,7 @@ namespace {
 using Vectors = std::vector<Eigen::VectorXd>;
 using internal::ConstraintRows;
 
-// The largest magnitude of the numbers that were added. It is infinite if a number was not finite.
-struct Largest {
+struct Largest {  // The largest magnitude of the numbers that were added. It is infinite if a number was not finite.
   double value = 0;
   void add(double number) {
     if (!std::isfinite(number)) value = std::numeric_limits<double>::infinity();

@@ -154,8 +154,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
-  // Rows of constrained directions, which contain derivatives of r2.
-  auto C_held = C.topRows(m), D_held = D.topRows(m);
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // rows of constrained directions, which contain derivatives of r2
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
     C_held.noalias() += coupling.rows.J.col(from) * a.Fx.row(to);

@@ -26,7 +26,7 @@ Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
 
 // Returns whether coordinate j moves the motion subspace S_k of k, on the same chain: unless j's joint is below k's.
 bool moves_subspace(const Model& model, int j, int k) {
-  if (j <= k) return true;  // on a chain, j then belongs to an ancestor or to the same joint
+  if (j <= k) return true;  // j then belongs to an ancestor or to the same joint
   for (const Joint& joint : model.joints)
     if (k >= joint.idx_v && k < joint.idx_v + joint.nv()) return j < joint.idx_v + joint.nv();
   return false;

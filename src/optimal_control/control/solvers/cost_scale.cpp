@@ -14,8 +14,7 @@ namespace {
 constexpr double kSmall = 1e-6, kLarge = 1e7;  // cost is not scaled: least Hessian of controls, largest Hessian
 constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
 
-// The largest absolute values on the diagonals of Lxx (all) and Luu (controls).
-struct Sizes {
+struct Sizes {  // the largest absolute values on the diagonals of Lxx (all) and Luu (controls)
   double all = 0, controls = 0;
 };
 
@@ -65,8 +64,7 @@ CostScale cost_scale(const ShootingProblem& problem) {
     scale = all / kUsualAll;
   else if (all > kLarge)
     scale = all / kUsualAll;
-  // Ensures that no scaled Hessian exceeds kLarge.
-  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // ensures that no scaled Hessian exceeds kLarge
   if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
   return out;
 }

@@ -4,8 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Sizes of a problem's cost, determined from the Hessians at the last calcDiff of the nodes.
-struct CostScale {
+struct CostScale {  // sizes of a problem's cost, determined from the Hessians at the last calcDiff of the nodes
   /// The size of the cost, which is 1 for Hessians of ordinary size. It differs from 1 if a Hessian of controls is
   /// below 1e-6 (too small for an absolute regularisation), or if a Hessian is above 1e7 (absolute thresholds are then
   /// below rounding errors). It is a power of two, so that weights times a power of two give exactly the same motion.

@@ -148,8 +148,7 @@ void SolverDDP::start(const Vectors& init_xs, const Vectors& init_us, bool is_fe
 bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter, bool is_feasible,
                       double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
-  // Reserves memory for the optimality test at the end.
-  if (judges_ && keeps_limits()) allocateDescent();
+  if (judges_ && keeps_limits()) allocateDescent();  // reserves memory for the optimality test at the end
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {

@@ -23,8 +23,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
 // Returns the accepted excess of the cost over the optimum within limits: min(th_stop, 1e-9), but not below `rounding`.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
-// Restores a number at the end of the scope.
-struct Restore {
+struct Restore {  // restores a number at the end of the scope
   double &number, value;
   ~Restore() { number = value; }
 };

@@ -58,8 +58,7 @@ class CoupledDirection : public Direction {
   lq::Problem lq_;
   lq::Layout layout_;
   std::unique_ptr<lq::DirectionSolver> solver_;
-  // The recursion in solver_ that contains the gains of the clusters.
-  const lq::Riccati* policies_ = nullptr;
+  const lq::Riccati* policies_ = nullptr;  // the recursion in solver_ that contains the gains of the clusters
   lq::Point z_;
   lq::Outcome outcome_;
   Eigen::Vector2d improvement_ = Eigen::Vector2d::Zero();

@@ -15,9 +15,9 @@ class Direction {
   using Vectors = std::vector<Eigen::VectorXd>;
 
   virtual ~Direction() = default;
-  const ShootingPart& part() const { return part_; }  // with indices in the solver's x, dx, u
+  const ShootingPart& part() const { return part_; }  // includes indices in the solver's x, dx, u
   const std::shared_ptr<ShootingProblem>& get_problem() const { return part_.problem; }
-  virtual const char* name() const = 0;  // the name of the method
+  virtual const char* name() const = 0;     // the name of the method
   virtual std::vector<int> blocks() const;  // sizes of the dense matrices factorized per node, largest of all nodes
   /// The feedback of some of the subproblem's coordinates: u = us - s k - K (x (-) xs) for a step of length s.
   struct Gains {
@@ -48,7 +48,7 @@ class Direction {
   /// Returns (dg, dq): a step s is expected to reduce the cost by s (dg + s dq / 2). gaps: includes gap terms.
   virtual Eigen::Vector2d improvement(bool gaps) = 0;
   virtual double gap_improvement() { return 0; }  // the term dv of fddp.cpp at the trial states
-  virtual double expected_reduction() const = 0;  // of a full step from a candidate without gaps
+  virtual double expected_reduction() const = 0;  // cost reduction by a full step without gaps
 
   /// Functions for SolverDDP::descend. They set k = -nu, compute the gradient g at the trial controls from
   /// differentiated nodes, or replace g by H^-1 g, where H is the Gauss-Newton Hessian with respect to nu.
@@ -56,7 +56,7 @@ class Direction {
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
   virtual void hold_feed_forward(Vectors&) {}  // zeroes entries whose controls were at a limit
-  virtual void set_scale(double) {}  // the size of the cost, which multiplies thresholds
+  virtual void set_scale(double) {}            // the size of the cost, which multiplies thresholds
 
  protected:
   /// is_whole: whether the subproblem is the solver's whole problem, with its coordinates in the same order.
@@ -64,13 +64,11 @@ class Direction {
   virtual void step_control(std::size_t t, double steplength) = 0;  // us_try[t] at xs_try[t]
 
   ShootingPart part_;
-  // The subproblem's share of the solver's candidate, and of the trial step.
-  Vectors xs_, us_, fs_, xs_try_, us_try_;
+  Vectors xs_, us_, fs_, xs_try_, us_try_;  // the subproblem's share of the solver's candidate, and of the trial step
   bool is_feasible_ = false;
-  Vectors Vx_, k_, dx_;   // T + 1, T, T
-  Eigen::VectorXd step_;  // ndx: workspace
-  // Whether the last gradient has other controls at limits than the gradient before it.
-  bool held_changed_ = false;
+  Vectors Vx_, k_, dx_;        // T + 1, T, T
+  Eigen::VectorXd step_;       // ndx: workspace
+  bool held_changed_ = false;  // whether the last gradient has other controls at limits than the gradient before it
 
  private:
   friend class SolverDDP;

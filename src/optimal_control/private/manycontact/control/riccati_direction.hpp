@@ -59,9 +59,8 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  // Vxx of nodes t and t + 1, if keeps_values_ is false
-  Eigen::MatrixXd two_values_[2];
-  Vectors Vxx_fs_, Quuk_;  // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
+  Eigen::MatrixXd two_values_[2];           // Vxx of nodes t and t + 1, if keeps_values_ is false
+  Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
@@ -88,7 +87,7 @@ class BoxDirection : public RiccatiDirection {  // A direction within the models
  private:
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;  // bounds of du at the current node
+  Eigen::VectorXd du_lb_, du_ub_;        // bounds of du at the current node
   std::vector<std::vector<bool>> held_;  // flags of each node's controls at a limit in the last gradient
 };
 

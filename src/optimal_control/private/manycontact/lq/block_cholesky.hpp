@@ -31,8 +31,7 @@ class BlockCholesky {
 
   /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, or -1.
   [[nodiscard]] int factorize(double least);
-  // Replaces x by S^-1 x, where x is ordered by vertex.
-  void solve(Eigen::VectorXd& x) const;
+  void solve(Eigen::VectorXd& x) const;  // replaces x by S^-1 x, where x is ordered by vertex
 
   int size() const { return start_.empty() ? 0 : start_.back(); }
   int start(int v) const { return start_[v]; }

@@ -30,7 +30,6 @@ void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^
 void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D
 void add_XDt(Block C, double beta, ConstBlock X, const BlockDiagonal& D);  // X D^T
 
-/// Replaces X by D^T X.
-void multiply_Dt(const BlockDiagonal& D, Block X);
+void multiply_Dt(const BlockDiagonal& D, Block X);  // replaces X by D^T X
 
 }  // namespace manycontact::lq

@@ -6,8 +6,7 @@
 
 namespace manycontact::lq {
 
-/// The w or the mu of one coupling, as a part of the vector y of one cluster in one knot.
-struct CouplingPart {
+struct CouplingPart {  // the w or the mu of one coupling, as a part of the vector y of one cluster in one knot
   int coupling;
   bool is_w;
   int at, size;        // offset and size in the cluster's y of the knot

@@ -10,12 +10,10 @@ namespace manycontact {
 struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
-  double time = 0;  // s
+  double time = 0;   // s
   double above = 0;  // height [m] of A's origin above its reference (world's z), or distance of two bodies' frames
-  // Horizontal distance [m] of A's origin from its reference.
-  double aside = 0;
-  // Speed [m/s] of A's origin relative to B'.
-  double speed = 0;
+  double aside = 0;  // horizontal distance [m] of A's origin from its reference
+  double speed = 0;  // speed [m/s] of A's origin relative to B'
   bool holds_there = true;  // frames are fixed where they are, not at the scene's placement (TaskPhase::at_scene)
 };
 /// Returns the closings by time. In a step forward `aside` is nonzero; if a contact closes in the air, `above` is.
@@ -32,9 +30,9 @@ std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eig
 struct PlanCost {  // A <cost> of the task, summed over all phases and all copies of robots.
   std::string name;
   TaskResidual residual = TaskResidual::kState;
-  double cost = 0;  // sum over all nodes, with the solver's weights
+  double cost = 0;       // sum over all nodes, with the solver's weights
   bool is_goal = false;  // whether the residual is frame_placement, _translation, _rotation or com
-  double missed = 0;  // |r| [m, rad] of a goal, for the worst copy at the last node with the cost
+  double missed = 0;     // |r| [m, rad] of a goal, for the worst copy at the last node with the cost
   std::size_t node = 0;
 };
 /// Returns the costs at the problem's last calc, largest first. Their sum is the total cost.

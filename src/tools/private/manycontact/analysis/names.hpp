@@ -8,8 +8,7 @@
 
 namespace manycontact {
 
-/// The body of an attachment. Everything that cannot move is the world, {-1, -1}.
-struct Body {
+struct Body {  // The body of an attachment. Everything that cannot move is the world, {-1, -1}.
   int robot = -1, joint = -1;
   auto operator<=>(const Body&) const = default;
 };
@@ -26,7 +25,6 @@ std::string robot_names(const Scene& scene, const std::vector<int>& robots);
 /// Returns at most four contact names ("left, right"). More than three consecutive ones become "left_1 .. left_4".
 std::string contact_names(const Scene& scene, const std::vector<int>& contacts);
 
-/// Returns the name of a contact row, such as "left[2]".
-std::string row_name(const Contact& contact, int row);
+std::string row_name(const Contact& contact, int row);  // returns the name of a contact row, such as "left[2]"
 
 }  // namespace manycontact

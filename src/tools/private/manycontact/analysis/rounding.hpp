@@ -11,7 +11,7 @@ namespace manycontact {
 /// relative error bound of such a part, from estimate_errors, is above 1.
 struct Rounding {
   bool acceleration = false, forces = false;
-  std::vector<std::string> names() const;  // of parts that are only rounding errors: "acceleration", "forces"
+  std::vector<std::string> names() const;  // parts that are only rounding errors: "acceleration", "forces"
 };
 
 /// Evaluates the error bounds of an island. Before estimate_errors, and without a solution, both flags are false.

@@ -30,15 +30,14 @@ namespace manycontact {
 struct FreeMotionDerivatives {
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 
-  /// Derivatives of a group with respect to the n numbers.
-  struct OfGroup {
+  struct OfGroup {                  // derivatives of a group with respect to the n numbers
     std::vector<int> robots;        // robots with bodies of the group
     Eigen::MatrixXd next;           // 9 x n: derivatives of C+, P+, L+; set by differentiate_begin
     Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; only columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
   std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; empty for a group tied to the world
-  struct Carried {  // of one group's bodies that a joint carries, about the group's reference point
+  struct Carried {              // bodies of one group that a joint carries, about the group's reference point
     Inertia<double> Y;
     Vec6<double> h;
   };

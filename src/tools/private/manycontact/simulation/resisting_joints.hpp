@@ -17,40 +17,35 @@
 
 namespace manycontact::internal {
 
-constexpr int kMostSolves = 50;  // most solves per step in which Newton's method finds the sticking joints
-/// A joint sticks below this speed [rad/s, m/s].
-constexpr double kStickVelocity = 1e-6;
+constexpr int kMostSolves = 50;          // most solves per step in which Newton's method finds the sticking joints
+constexpr double kStickVelocity = 1e-6;  // a joint sticks below this speed [rad/s, m/s]
 
 struct ResistingJoints {
   explicit ResistingJoints(const Scene& scene);
 
   // These members have one entry per velocity coordinate.
-  Eigen::VectorXd damping;   // N m s / rad
-  Eigen::VectorXd friction;  // N m
-  // 0: the joint sticks; 1 or -1: it slides in the positive or negative direction
-  std::vector<signed char> slip;
+  Eigen::VectorXd damping;        // N m s / rad
+  Eigen::VectorXd friction;       // N m
+  std::vector<signed char> slip;  // 0: the joint sticks; 1 or -1: it slides in the positive or negative direction
   Eigen::VectorXd added, to_add;  // h d + h^2 k of the last factorization, and of this step
   Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
-  // kept: share of v that joint springs do not resist; kept_k: h^2 k times this share
-  Eigen::VectorXd kept, kept_k;
-  std::vector<int> rubbing;  // coordinates with friction
+  Eigen::VectorXd kept, kept_k;   // kept: share of v that joint springs do not resist; kept_k: h^2 k times this share
+  std::vector<int> rubbing;       // coordinates with friction
 
-  // Whether added inertias may change; then robots do not share models.
-  bool vary = false;
+  bool vary = false;                           // whether added inertias may change; then robots do not share models
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
   bool begun = false;
-  Eigen::VectorXd speed, force, next_speed, next_force;  // per entry of `rubbing`: v, K (v - v0); after a solve
+  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; after a solve
   std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
-  /// Computes to_add for steps of size h.
-  void find(const Scene& scene, const PdLaws& pd, double h);
+  void find(const Scene& scene, const PdLaws& pd, double h);  // computes to_add for steps of size h
   /// Returns the scene with to_add in its armatures, without dampers and friction.
   Scene with_inertias(const Scene& scene);
   bool fits(const Scene& scene) const;  // whether the scene that with_inertias made still fits to_add
 
-  void set_inertias(const Scene& scene, double h);  // of joints that stick; to be called before each solve
-  double inertia(int i, double h) const {  // added to coordinate i
+  void set_inertias(const Scene& scene, double h);  // to be called before each solve, for joints that stick
+  double inertia(int i, double h) const {           // added to coordinate i
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
   double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }  // part of inertia that resists v
@@ -67,7 +62,6 @@ void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::Ve
 /// Adds the torques kp (q_ref - q) + kd (v_ref - v) of the PD laws to tau (nv).
 void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                     Eigen::VectorXd& tau);
-/// Throws std::invalid_argument unless data.pd fits the scene.
-void check_pd(const Scene& scene, const PdLaws& pd);
+void check_pd(const Scene& scene, const PdLaws& pd);  // throws std::invalid_argument unless data.pd fits the scene
 
 }  // namespace manycontact::internal
