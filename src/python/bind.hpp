@@ -14,7 +14,7 @@
 
 namespace manycontact::python {
 
-using Unlocked = py::call_guard<py::gil_scoped_release>;  // Lets Python run in other threads during a call.
+using Unlocked = py::call_guard<py::gil_scoped_release>;  // lets Python run in other threads during a call
 
 /// Calls `each` for consecutive groups of N arguments. For N = 2 and a, b, c, d, these are each(a, b) and each(c, d).
 template <std::size_t N, class Each, class... Given>

@@ -16,7 +16,7 @@ namespace py = pybind11;
 
 namespace manycontact::python {
 
-std::string plain(std::string name);  // Returns the name in lower case with '-' between its words.
+std::string plain(std::string name);  // returns the name in lower case with '-' between its words
 
 /// The names of the members of an enumeration, which `enumeration` sets.
 template <class E>
@@ -26,7 +26,7 @@ struct Names {
     std::string word;    // the name in files and on the command line
     std::string python;  // the name in Python, such as "SPARSE_LDL"
   };
-  static inline std::string what;  // The word for a member in error messages, such as "method".
+  static inline std::string what;  // the word for a member in error messages, such as "method"
   static inline std::vector<Member> members;
 };
 

@@ -1,8 +1,8 @@
 #pragma once
 // Python objects for C++ objects that are members of other objects, such as scene.contacts[0], scene.contacts[0].B and
-// data.options. Each is a Handle, which looks the object up in its owner and assigns it there: `scene.contacts[0].alpha
-// = 9` changes the scene. Invalid assignments raise. A Handle without an owner (Contact() in Python) contains its
-// object.
+// data.options. Each is a Handle, which looks the object up in its owner and assigns it there, so that assigning to
+// `scene.contacts[0].alpha` changes the scene. Invalid assignments raise. A Handle without an owner, as Contact() of
+// Python, contains its object.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>

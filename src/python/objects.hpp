@@ -53,7 +53,7 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`; set_wrenches sets them from an (n, 6).
+/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`; set_wrenches sets them from one.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
 /// Returns a matrix (n, 6) with a copy of the n wrenches.

@@ -43,7 +43,7 @@ bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
     return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
   } else if constexpr (std::is_floating_point_v<T>) {
-    return a == b || (std::isnan(a) && std::isnan(b));  // Quantities that were not estimated are NaN.
+    return a == b || (std::isnan(a) && std::isnan(b));  // quantities that were not estimated are NaN
   } else if constexpr (std::is_same_v<T, SolveTimes>) {
     return true;  // measured times are ignored
   } else if constexpr (std::is_same_v<T, SharedModel>) {
@@ -78,7 +78,7 @@ py::object pack(const T& x) {
   } else if constexpr (is_matrix<T>) {
     return copy(x);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
-    return py::cast(std::const_pointer_cast<Model>(x));  // A model that several robots share is pickled once.
+    return py::cast(std::const_pointer_cast<Model>(x));  // a model that several robots share is pickled once
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
     return py::none();  // finalize computes it again
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {

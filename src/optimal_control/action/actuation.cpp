@@ -70,7 +70,7 @@ void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorR
   check("ActuationModel::torqueTransform", x, u);  // Mtau is constant, set in createData
 }
 
-// Returns the selection, or, for classes that users derive, whose derivatives may differ, an empty vector.
+// Returns the selection. Empty for classes that users derive, because these may have other derivatives.
 const std::vector<int>& ActuationModelSelection::selection() const {
   static const std::vector<int> none;
   const auto& type = typeid(*this);

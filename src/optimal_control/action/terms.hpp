@@ -28,7 +28,7 @@ bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const Con
 /// read_status stores whether each term is active, in the order of each_residual. has_status compares this to `status`.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
-/// Throws std::logic_error unless `fits`. The message requires a calc of this stage with the same active terms.
+/// Throws std::logic_error unless `fits`. The message asks for a calc of this stage with the same active terms.
 void check_stage(const char* who, bool fits, Stage stage);
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
 

@@ -36,7 +36,8 @@ void make_nodes(const Problem& problem, const Plan& plan, CouplingGraph& graph) 
   }
 }
 
-// Makes two vertices of S, for all mu and for all w, per track: the couplings of any knots between equal clusters.
+// Makes two vertices of S for each track, one for all its mu and one for all its w. A track is the set of couplings of
+// any knots that connect the same clusters.
 void make_vertices(const Problem& problem, CouplingGraph& graph) {
   const int T = problem.horizon();
   std::vector<std::vector<std::vector<int>>> touched(T + 1);  // clusters of each coupling, per knot

@@ -61,7 +61,8 @@ const SymplecticStructure* CouplingSchur::steps(const Problem& problem, int clus
   return by_steps_ ? riccati_.steps(problem, k, graph_.nodes[cluster][k].cluster) : nullptr;
 }
 
-// Computes F, pi, theta, S_kk of knot k and W of k + 1. With `steps` stores only the lower half F_z of F (riccati.hpp).
+// Computes F, pi, theta, S_kk of knot k and W of knot k + 1. With `steps`, F = [J 0; 0 0] + [G; 1] F_z is stored as its
+// lower half F_z.
 void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
   const CouplingNode& node = graph_.nodes[cluster][k];
   const Cluster& c = riccati_.plan()[k][node.cluster];
@@ -114,7 +115,7 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
     MatrixMap& Wpi = PE;
     Wpi.setZero();
     add_AB(Wpi, 1, W, pi);
-    if (steps) {  // stored as theta_y - G theta_z
+    if (steps) {  // the upper half is stored as theta_y - G theta_z
       add_DX(theta.topRows(ny), 0, steps->J, Wpi.topRows(ny));
       theta.topRows(ny) *= -1;
     }

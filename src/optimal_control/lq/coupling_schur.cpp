@@ -10,7 +10,9 @@ namespace manycontact::lq {
 
 namespace {
 
-constexpr double kProximal = 1e-8;  // relative to semidefinite S; about sqrt(eps), by which a refinement reduces errors
+// Size of the proximal term, relative to S, if S is semidefinite. As it is about sqrt(eps), each refinement reduces
+// errors by about sqrt(eps).
+constexpr double kProximal = 1e-8;
 constexpr int kProximalRefinements = 9;
 
 // Computes in out.w and out.mu the residuals of the equations of w and mu, with x, u, lambda of z and with w = mu = 0.

@@ -10,7 +10,8 @@ namespace manycontact::task {
 
 using DiffModel = DifferentialActionModelContactFwdDynamics;
 
-/// Returns ActuationModelFull if all joints are actuated and no base floats, otherwise one of the active joints.
+/// Returns ActuationModelFull if no robot has a floating base or passive joints, otherwise an actuation of the active
+/// joints.
 std::shared_ptr<ActuationModelAbstract> actuation_of(const std::shared_ptr<StateMultibody>& state);
 
 /// Makes the differential model of a phase. Throws InputError if a term does not fit.

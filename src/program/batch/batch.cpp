@@ -62,7 +62,8 @@ std::string derivatives_path(const std::string& out) {
   return (out.ends_with(suffix) ? out.substr(0, out.size() - suffix.size()) : out) + ".derivatives.npy";
 }
 
-// Returns the number of states per block: 1 to 4096 in at most 64 MB, and at least 4 blocks per process if these share.
+// Returns the number of states per block: 1 to 4096 states in at most 64 MB. If several processes split the states,
+// there are at least four blocks per process.
 std::int64_t block_size(const BatchRun& run, int processes) {
   const Scene& scene = run.part.scene;
   std::int64_t numbers = 2 * (std::int64_t{run.in_size()} + run.out_size());

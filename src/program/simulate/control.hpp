@@ -37,8 +37,9 @@ class Control {
   /// the first row, and to joints without a column.
   void read_torques(const std::string& path);
   /// Sets a PD law towards the columns "q:r0/knee" and "v:r0/knee" of the file `reference`, interpolated between rows.
-  /// Missing v: columns are slopes of q:; without both, the reference is the scene's q at rest. gains: "kp kd; r0/knee
-  /// kp kd; ...", first for all other joints. Throws UsageError, and InputError for actuated multi-coordinate joints.
+  /// Without a v: column, the velocity is the slope of q:. Without both, the reference is the scene's q at rest. gains:
+  /// "kp kd; r0/knee kp kd; ...", where the first pair is for all other joints. Throws UsageError, and InputError for
+  /// actuated multi-coordinate joints.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);

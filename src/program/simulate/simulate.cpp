@@ -36,7 +36,7 @@ struct Run {  // the options of the command line, and the results of the run
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  SpringStep shortest;  // the one with the shortest largest step at the start
+  SpringStep shortest;  // the spring or joint with the shortest largest step at the start
   Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
                         // ended the run
   std::optional<Recording> view;
@@ -75,7 +75,8 @@ struct Around {  // the inputs and observers of a simulation
   std::optional<TimeTable> wrenches_in_time;
   Eigen::VectorXd wrenches;  // all external wrenches in one vector
 
-  void push(double t, SimulationData& sim) {  // to those of the file at t, if --wrenches is given
+  /// Sets the external wrenches of the next step to the file's wrenches at t, if --wrenches is given.
+  void push(double t, SimulationData& sim) {
     if (!wrenches_in_time) return;
     wrenches_in_time->at(t, false, wrenches);
     for (std::size_t k = 0; k < sim.dynamics.wrenches.size(); ++k)

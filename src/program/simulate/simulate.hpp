@@ -11,7 +11,8 @@ namespace manycontact::cli {
 
 void set_gains(Scene& scene, const Gains& gains);
 
-/// Parses two numbers such as "25 10" or "25,10". Throws UsageError "expected 'alpha beta'" (`names`) + otherwise.
+/// Parses two numbers such as "25 10" or "25,10". Throws UsageError with the message "expected 'alpha beta'" +
+/// otherwise, with `names` for 'alpha beta'.
 Gains two_numbers(const std::string& option, const std::string& names, const std::string& text,
                   const std::string& otherwise = "");
 

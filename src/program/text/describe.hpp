@@ -21,7 +21,7 @@ std::size_t count_islands(const Scene& scene, const SceneData& data);
 
 /// Prints the heading of `solve` and `inspect`, which contains name, path, gravity, damping and sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
-void print_notes(std::ostream& out, const SceneFile& file);  // links that were merged or locked, per robot
+void print_notes(std::ostream& out, const SceneFile& file);  // prints links that were merged or locked, per robot
 /// Prints points, lengths and forces of external wrenches and springs at the file's q and v, if there are any.
 void print_applied_forces(std::ostream& out, const SceneFile& file);
 

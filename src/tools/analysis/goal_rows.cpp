@@ -96,7 +96,7 @@ struct GoalRows::Rows {  // appends the rows of one goal to the errors e_ and th
   double root;  // square root of the goal's weight
   GoalLeft left = {};
 
-  int add(double e) {  // returns the row's number
+  int add(double e) {  // appends a row with the error e; returns the row's number
     to.e_.push_back(root * e);
     return static_cast<int>(to.e_.size()) - 1;
   }

@@ -27,7 +27,7 @@ std::string file_problem(const std::string& path, bool only_regular = false);
 
 /// Decodes the bytes of the file `path` by its byte order mark or declaration: UTF-8 (the default), UTF-16, US-ASCII,
 /// ISO-8859-1, ISO-8859-15 or Windows-1252. Throws InputError, with the line, for other encodings, invalid bytes, and
-/// references such as &#xD800; to no XML character. Keeps line breaks, and comments undecoded.
+/// references such as &#xD800; to characters that XML forbids. Keeps line breaks. Does not decode comments.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
 std::string show(double x);  // returns the shortest decimal number that reads back as x

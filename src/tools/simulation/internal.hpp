@@ -28,7 +28,7 @@ void keep_what_depends(SceneData& of, SimulationData& data);
 /// Computes q+ and v+ from the solution x of semi-implicit Euler, and corrects them with the momentum of free groups.
 void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data);
 /// Bound the energy of springs between points (bounded_energy.cpp). Call begin_bound before impulses of springs are
-/// added to the momentum of free groups, bound_energy after the step. goes_on: the state is the end of the last step.
+/// added to the momentum of free groups, bound_energy after the step. goes_on: the state is that after the last step.
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 

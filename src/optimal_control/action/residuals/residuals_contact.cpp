@@ -151,7 +151,8 @@ void ContactResidual::fill_blocks(ResidualDataAbstract& data, const ConstVectorR
   multiply(d.B, d.contact->df_dx, d.blocks[0].Rx);
   multiply(d.B, d.contact->df_du, d.blocks[0].Ru);
   if (axes_ == ConeAxes::kContact) return;
-  // In world axes w = oRF P f. Rotations th_F, th_X of F, X change r = A oRX^T w by A oRX^T (th_F - th_X) x w.
+  // The wrench in world axes is w = oRF P f. Rotations th_F, th_X of the axes F and X change r = A oRX^T w by A oRX^T
+  // (th_F - th_X) x w.
   const Contact& contact = *d.contact->contact;
   const Vec6<double> in_cone = d.P * d.contact->f;
   const Vec3<double> force = d.oRX * in_cone.head<3>(), moment = d.oRX * in_cone.tail<3>();

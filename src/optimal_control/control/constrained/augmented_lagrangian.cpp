@@ -169,7 +169,7 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// Reports an iteration. Measures the violation only after accepted steps: nodes then contain no rejected step's data.
+// Reports an iteration. Measures the violation only after accepted steps: a rejected step leaves its data in nodes.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -201,7 +201,7 @@ bool SolverAugmentedLagrangian::isSlow() {
   return slow_;
 }
 
-// Returns, every kWindow iterations, whether these hardly reduced the augmented Lagrangian and the violation.
+// Tests every kWindow iterations whether these hardly reduced the augmented Lagrangian and the violation.
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&

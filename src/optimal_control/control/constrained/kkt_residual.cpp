@@ -56,7 +56,7 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the gradient `slope` of control i to `worst`, or, with limits, u - P(u - slope) with P projecting onto these.
+// Adds the gradient `slope` of control i to `worst`, or, with limits, u - P(u - slope), where P projects onto them.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())

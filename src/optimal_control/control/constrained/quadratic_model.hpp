@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);  // null without couplings
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);  // model of node t, or null
 /// Returns the subproblems of coupled nodes, the same in all nodes, or, without couplings, one with all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 

@@ -27,7 +27,7 @@ constexpr double kCrawling = 1e-9;   // iterations are slow if `stop` is below t
 // Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). The small
 // changes are for unstable robots, which without feedback move far away from the candidate after larger changes.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Largest random changes for motions far from the candidate (as kBeside). Negative: changes of zero controls instead.
+// Largest random changes for motions far from the candidate (units of kBeside). Negative: changes of zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
 constexpr double kCreeping = 0.99;  // a search ends if kCreepingWindow iterations leave at least this share of |r|^2
@@ -185,9 +185,10 @@ void AL::take(Restoration& own) {
   evaluate(own);
 }
 
-// Searches from another motion: the candidate's controls, or zeros if `by` < 0, plus random numbers up to |by| times
-// max(1, largest control). A result with smaller violation becomes the candidate. Near the candidate only quasi-Newton
-// steps are taken (Gauss-Newton steps may return to a maximum or saddle); if they return to it, it is a minimum.
+// Searches from another motion. Its controls are those of the candidate, or zeros if `by` is negative, plus random
+// numbers of up to |by| times max(1, largest control). If the search ends at a smaller violation, its result becomes
+// the candidate. Near the candidate only quasi-Newton steps are taken, because Gauss-Newton steps may return to a
+// maximum or a saddle. If the quasi-Newton steps return to the candidate, the candidate is a minimum.
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
@@ -196,7 +197,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
-  if (!beside)  // constant: effects of controls that vary by node would cancel
+  if (!beside)  // adds constant controls: effects of controls that vary by node would cancel
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();

@@ -138,7 +138,7 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // overwrites dq_upper on the diagonal
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // overwrites dq_upper on the diagonal, as intended
     });
   }
 }

@@ -9,7 +9,8 @@
 
 namespace manycontact::internal {
 
-/// Calls work(t, thread) for t = 0 ... count - 1 on `threads` threads (0: caller); rethrows the smallest t's error.
+/// Calls work(t, thread) for t = 0 ... count - 1 on at most `threads` threads, where thread 0 is the caller's. If calls
+/// throw, rethrows the exception of the smallest t.
 template <class Work>
 void each_node_by_thread(std::size_t threads, std::size_t count, Work&& work) {
   if (threads <= 1) {

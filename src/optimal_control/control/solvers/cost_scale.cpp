@@ -11,7 +11,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmall = 1e-6, kLarge = 1e7;  // cost is not scaled: least Hessian of controls, largest Hessian
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls, largest Hessian, without scaling
 constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
 
 struct Sizes {  // the largest absolute values on the diagonals of Lxx (all) and Luu (controls)

@@ -301,7 +301,7 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   cost_try_ = 0;
   for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN if any is NaN
   if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
-  each_direction([this](Direction& own) {  // different entries: thread-safe
+  each_direction([this](Direction& own) {  // thread-safe: directions write different entries
     for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
     own.give_u(own.us_try_, us_try_);
   });

@@ -293,7 +293,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Solves with the complete Quu (the box QP's inverse is zero for clamped controls), then zeroes controls at limits.
+// Solves with all of Quu (the box QP's inverse is zero for clamped controls). Zeroes entries of controls at limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

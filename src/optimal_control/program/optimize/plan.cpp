@@ -7,7 +7,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most that are printed, findings per kind
+constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs, and most findings of a kind, in the summary
 
 // Prints the findings of one kind, for example "closes: LF ...; LH ...; and 3 more".
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {

@@ -55,13 +55,13 @@ class Direction {
   virtual void set_feed_forward(const Vectors& nu);
   virtual void feed_forward_gradient(Vectors& g) = 0;
   virtual void precondition_feed_forward(Vectors& g) = 0;
-  virtual void hold_feed_forward(Vectors&) {}  // zeroes entries whose controls were at a limit
-  virtual void set_scale(double) {}            // the size of the cost, which multiplies thresholds
+  virtual void hold_feed_forward(Vectors&) {}  // zeroes entries whose controls were at a limit in the last gradient
+  virtual void set_scale(double) {}            // sets the size of the cost, which multiplies thresholds
 
  protected:
   /// is_whole: whether the subproblem is the solver's whole problem, with its coordinates in the same order.
   Direction(ShootingPart part, bool is_whole) : part_(std::move(part)), is_whole_(is_whole) {}
-  virtual void step_control(std::size_t t, double steplength) = 0;  // us_try[t] at xs_try[t]
+  virtual void step_control(std::size_t t, double steplength) = 0;  // computes us_try[t] at xs_try[t]
 
   ShootingPart part_;
   Vectors xs_, us_, fs_, xs_try_, us_try_;  // the subproblem's share of the solver's candidate, and of the trial step

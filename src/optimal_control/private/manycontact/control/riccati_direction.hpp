@@ -22,7 +22,7 @@ class RiccatiDirection : public Direction {
   /// Make the step of node t from the value function of node t + 1. compute_action_value_function must be called first,
   /// then compute_gains, then compute_value_function. In another order they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
-  virtual bool compute_gains(std::size_t t);  // false if Quu is not positive definite
+  virtual bool compute_gains(std::size_t t);  // returns false if Quu is not positive definite
   void compute_value_function(std::size_t t);
 
   const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }

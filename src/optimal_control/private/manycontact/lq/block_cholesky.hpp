@@ -22,7 +22,8 @@ class BlockCholesky {
   void analyse(std::vector<Vertex> vertices, const std::vector<std::pair<int, int>>& edges);
 
   void set_zero();
-  /// Adds M to S at row i of vertex u and column j of v, and M^T transposed; a symmetric M on the diagonal only once.
+  /// Adds M to S at row i of vertex u and column j of vertex v, and M^T at the transposed place. A symmetric M on the
+  /// diagonal is added only once.
   void add(int u, int i, int v, int j, const Eigen::Ref<const Eigen::MatrixXd>& M);
   void add_diagonal(int v, double a) { columns_[v].diagonal.diagonal().array() += a; }  // adds a I to vertex v
 

@@ -51,7 +51,7 @@ class CouplingSchur : public DirectionSolver {
   double flops_ = 0;
 
   bool by_steps_ = false;
-  std::vector<std::vector<double>> F_, pi_, theta_;  // F_, pi_, theta_: per knot of the current cluster
+  std::vector<std::vector<double>> F_, pi_, theta_;  // one entry per knot of the current cluster
   std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, Z_, Z_next_;
 
   Point terms_;

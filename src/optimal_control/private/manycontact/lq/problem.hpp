@@ -46,7 +46,7 @@ struct Group {
   Eigen::VectorXd q, r;                      // nx, nv
   Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
   Eigen::VectorXd f;                         // nx: the gap, in a step of Newton's method
-  std::optional<SymplecticStructure> steps;  // structure of A and B, if known; these are complete in any case
+  std::optional<SymplecticStructure> steps;  // structure of A and B, if known; A and B are complete in any case
   Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
   Eigen::VectorXd d;                         // nc
 };

@@ -23,7 +23,7 @@ struct ClosestPosture {  // The configuration between two states that is nearest
 };
 
 struct PostureData {  // Smallest sigma of each island, and workspace for its solves.
-  explicit PostureData(const Scene& scene, const Options& options = {});  // options: of the solves
+  explicit PostureData(const Scene& scene, const Options& options = {});  // options: those of the solves
 
   SceneAtRest rest;
   SceneData dynamics;

@@ -36,7 +36,7 @@ struct ResistingJoints {
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
   bool begun = false;
-  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; after a solve
+  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; both after a solve
   std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
   void find(const Scene& scene, const PdLaws& pd, double h);  // computes to_add for steps of size h
