@@ -10,9 +10,9 @@
 
 namespace manycontact::cli {
 
-struct Times {
-  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches [us]
-  double setup = 0;     // construction of SceneData: memory, islands, symbolic analysis [us]
+struct Times {          // medians [us]
+  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches
+  double setup = 0;     // construction of SceneData: memory, islands, symbolic analysis
   double solve = 0;
   double derivatives = 0;  // 0 unless derivatives were requested
 };

@@ -27,7 +27,7 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Bounds the change that errors of J cause in an island's vector n with J^T n = 0. change: AtRest::change_of_null.
+/// Returns a bound of the change that errors of J cause in an island's n, J^T n = 0. change: AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;

@@ -35,7 +35,7 @@ struct ResistingJoints {
   bool vary = false;                           // whether added inertias may change; then robots do not share models
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
-  bool begun = false;
+  bool begun = false;  // whether Newton's method has begun in this step, so that the next line is set
   Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; both after a solve
   std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
