@@ -51,8 +51,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return refuse("usage: manycontact-mesh FILE");
   alarm(60);  // seconds
   limit(RLIMIT_CORE, 0);
-// Sanitizers need terabytes of address space.
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers need terabytes of address space
   limit(RLIMIT_AS, rlim_t(1) << 32);
 #endif
 

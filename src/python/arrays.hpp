@@ -1,9 +1,7 @@
 #pragma once
 // Converts between numpy arrays and Eigen's vectors and matrices, instead of pybind11/eigen.h. Wrong shapes and numbers
 // that are not finite raise a ValueError with the reason. Objects that are not arrays of numbers raise a TypeError.
-//
-//   Eigen matrices, vectors    copied in and out; copies that properties return are read-only, because writing into a
-//                              copy would not change the object
+//   Eigen matrices, vectors    copied in and out; properties return read-only copies
 //   Ref<const VectorXd>        not copied in if the array is contiguous float64; copied out
 //   Bounds, Raw                vectors that may have infinite numbers (Bounds), or any numbers (Raw)
 //   view(...)                  an array that views the memory of a matrix, and keeps the matrix's owner alive
@@ -24,31 +22,26 @@ using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
 using Doubles = py::array_t<double, py::array::forcecast>;
 
-/// A vector of bounds, which may contain infinite numbers but no NaN.
 struct Bounds {
   Eigen::VectorXd x;
 };
 
-/// A vector whose numbers the called function checks.
 struct Raw {
   Doubles array;
   Eigen::Map<const Eigen::VectorXd> vector() const { return {array.data(), array.size()}; }
 };
 
-/// Returns the shape of the array as text, such as "(3, 4)".
-std::string shape_of(const py::array& array);
+std::string shape_of(const py::array& array);  // such as "(3, 4)"
 
 /// Returns `source` as float64 in C's order, or null if it is neither an array nor a sequence of numbers.
 Doubles as_doubles(py::handle source);
 
-/// Returns as_doubles(source). Throws ValueError if the number of dimensions or the size is wrong. Eigen::Dynamic means
-/// any size.
+/// Returns as_doubles(source). Throws ValueError for a wrong number of dimensions or size (Eigen::Dynamic: any).
 Doubles checked_doubles(py::handle source, int dimensions, Eigen::Index rows, Eigen::Index cols);
 
 /// Throws ValueError if a number is not finite, or, with `infinite`, if it is NaN. name: the argument's name, or "".
 void check_numbers(const char* name, const double* x, Eigen::Index size, bool infinite = false);
 
-/// Makes the array read-only, so that numpy raises an error if it is written into.
 inline py::array read_only(py::array array) {
   py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
   return array;
@@ -68,7 +61,6 @@ py::array view(const M& m, py::handle owner, bool writeable) {
   return view(m.data(), {m.rows(), m.cols()}, {m.rowStride(), m.colStride()}, owner, writeable);
 }
 
-/// Returns a new array with the numbers of m.
 template <class M>
 py::array copy(const M& m) {
   return view(m, py::none(), true).attr("copy")();
@@ -80,11 +72,9 @@ py::array copy(const M& m, py::return_value_policy policy) {
   return policy == py::return_value_policy::reference_internal ? read_only(copy(m)) : copy(m);
 }
 
-/// Throws TypeError for None and text, which numpy would convert to numbers.
-void expect_numbers_in(py::handle values);
+void expect_numbers_in(py::handle values);  // throws TypeError for None and text, which numpy would convert to numbers
 
-/// Assigns values to m as `m[...] = values` does in numpy. The shape of `values` must equal that of m or broadcast to
-/// it.
+/// Assigns values to m as `m[...] = values` does in numpy: `values` has the shape of m, or broadcasts to it.
 template <class M>
 void assign(M& m, py::handle values) {
   expect_numbers_in(values);

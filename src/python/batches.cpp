@@ -9,11 +9,9 @@ namespace manycontact::python {
 
 namespace {
 
-// The data of running batches, read and written with the GIL.
-std::set<const BatchData*> in_use;
+std::set<const BatchData*> in_use;  // data of running batches, read and written with the GIL
 
-// A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.
-struct Rows {
+struct Rows {  // A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.
   Doubles array;
   ConstBatchRows part(Eigen::Index first, Eigen::Index count) const {
     const Eigen::Index cols = array.shape(1);

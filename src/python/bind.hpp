@@ -1,9 +1,7 @@
 #pragma once
 // Binds classes and functions. Their docstrings, and the names and default values of parameters, are in docs/*.txt.
-//
 //   shared<Joint>(m).read<&Joint::name, &Joint::type>().read("mass", &mass_of);
 //   functions<&velocity_names>(m);
-//
 // Classes and members have their C++ names in Python, unless another name is given.
 
 #include <functional>
@@ -16,8 +14,7 @@
 
 namespace manycontact::python {
 
-/// Lets Python run in other threads during a call.
-using Unlocked = py::call_guard<py::gil_scoped_release>;
+using Unlocked = py::call_guard<py::gil_scoped_release>;  // lets Python run in other threads during a call
 
 /// Calls `each` for consecutive groups of N arguments. For N = 2 and a, b, c, d, these are each(a, b) and each(c, d).
 template <std::size_t N, class Each, class... Given>
@@ -126,8 +123,7 @@ class Class {
     return *this;
   }
 
-  /// Adds read-only attributes, given as pairs: "name", getter, ... A getter is a member, a method or a function of the
-  /// object.
+  /// Adds read-only attributes as pairs: "name", getter, ... A getter is a member, method or function of the object.
   template <class... Given>
   Class& read(Given... given) {
     in_groups<2>([this](const char* name, auto member) { read_one(name, member); }, given...);
@@ -165,8 +161,7 @@ class Class {
     if constexpr (sizeof...(more) > 0) property<more...>();
     return *this;
   }
-  /// Adds a property that is a Handle (an object with attributes). get(owner) reads it, and set(owner, object) assigns
-  /// it.
+  /// Adds a property that is a Handle (an object with attributes). get(owner) reads it; set(owner, object) assigns it.
   template <class Owner, class Get, class Set>
   Class& handle(const char* name, Get get, Set set) {
     using Held = std::decay_t<decltype(get(std::declval<const Owner&>()))>;
@@ -223,7 +218,6 @@ template <class F, class... Extra>
 void def(py::module_& m, const char* name, F&& f, const Extra&... extra) {
   def_as(m, name, name, std::forward<F>(f), extra...);
 }
-/// Adds functions under their C++ names.
 template <auto... function>
 void functions(py::module_& m) {
   (..., def(m, name_of<function>().c_str(), function));

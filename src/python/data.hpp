@@ -45,10 +45,9 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
-    // Scene, solve and active contacts at the last check of force_of.
-    const Scene* checked_scene = nullptr;
-    std::uint64_t checked_serial = 0;  // serial of that solve
-    std::vector<char> checked_active;  // flags of the contacts
+    const Scene* checked_scene = nullptr;  // scene at the last check of force_of
+    std::uint64_t checked_serial = 0;      // serial of that solve
+    std::vector<char> checked_active;      // flags of the contacts
   };
   struct Turn {
     explicit Turn(State& s) : state(s) {

@@ -148,8 +148,7 @@ void add_views(py::module_& m) {
            const Frame& f = owner.model->frames[number];
            SE3<double> out;
            data.use([&](SceneData& d) {
-             // prepare throws if this is not possible
-             if (d.serial == 0) prepare(scene, d);
+             if (d.serial == 0) prepare(scene, d);  // prepare throws if this is not possible
              out = frame_placement<double>(robot_kinematics(scene, d, r), owner.base, f.joint, f.placement);
            });
            return out;

@@ -1,6 +1,5 @@
 #pragma once
 // Enumerations in Python. A member can be given in any of these forms:
-//
 //   Method.SPARSE_LDL    'sparse-ldl'    'sparse_ldl'    'SPARSE_LDL'
 
 #include <pybind11/pybind11.h>
@@ -17,10 +16,9 @@ namespace py = pybind11;
 
 namespace manycontact::python {
 
-/// Returns the name in lower case with '-' between its words.
-std::string plain(std::string name);
+std::string plain(std::string name);  // returns the name in lower case with '-' between its words
 
-/// The names of the members of an enumeration, which add_enumeration sets.
+/// The names of the members of an enumeration, which `enumeration` sets.
 template <class E>
 struct Names {
   struct Member {
@@ -28,13 +26,11 @@ struct Names {
     std::string word;    // the name in files and on the command line
     std::string python;  // the name in Python, such as "SPARSE_LDL"
   };
-  // The word for a member in error messages, such as "method".
-  static inline std::string what;
+  static inline std::string what;  // the word for a member in error messages, such as "method"
   static inline std::vector<Member> members;
 };
 
-/// Returns the member called `name` in any of the forms above. Throws a ValueError that lists the members if there is
-/// none.
+/// Returns the member called `name` in any of the forms above. Otherwise throws a ValueError that lists the members.
 template <class E>
 E value_called(const std::string& name) {
   const std::string asked = plain(name);
@@ -60,8 +56,7 @@ struct EnumCaster : py::detail::type_caster_base<E> {
   E named_{};
 };
 
-/// Returns the name of an enumerator in Python, such as "SPARSE_LDL" for "kSparseLdl". Names without a leading k are
-/// returned unchanged.
+/// Returns an enumerator's Python name, such as "SPARSE_LDL" for "kSparseLdl"; without a leading k, the name itself.
 std::string python_name(const std::string& enumerator);
 
 /// Binds an enumeration. Its entry in docs/*.txt contains the word for a member in error messages. values: all members,
@@ -83,8 +78,7 @@ void enumeration(py::module_& m, const char* prefix = "") {
     std::string word = python;
     if constexpr (has_words) word = to_string(value);
     if (!has_words || word.find(' ') != std::string::npos) word = plain(python);
-    // "-0", the name of _0, becomes "0"
-    if (word.starts_with('-')) word.erase(0, 1);
+    if (word.starts_with('-')) word.erase(0, 1);  // "-0", the name of _0, becomes "0"
     Names<E>::members.push_back({value, word, python});
   };
   if constexpr (sizeof...(values) > 0)

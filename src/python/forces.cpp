@@ -11,8 +11,7 @@ std::array<Attachment*, 2> ends(Contact& x) { return {&x.A, &x.B}; }
 std::array<Attachment*, 2> ends(Spring& x) { return {&x.A, &x.B}; }
 std::array<Attachment*, 1> ends(ExternalWrench& x) { return {&x.at}; }
 
-// Returns an item as `add` stores it, in a scene that contains only the item's robots. Throws if `add` refuses the
-// item.
+// Returns an item as `add` stores it in a scene of only the item's robots. Throws if `add` refuses the item.
 template <class T>
 T judged(const Scene& scene, T item, std::vector<T> Scene::*list, int (*add)(Scene&, T)) {
   Scene around;

@@ -1,10 +1,8 @@
 #pragma once
 // Python objects for C++ objects that are members of other objects, such as scene.contacts[0], scene.contacts[0].B and
-// data.options. Each is a Handle, which looks the object up in its owner and assigns it there, so that
-//
-//     scene.contacts[0].alpha = 9
-//
-// changes the scene. Invalid assignments raise. A Handle without an owner (Contact() in Python) contains its object.
+// data.options. Each is a Handle, which looks the object up in its owner and assigns it there, so that assigning to
+// `scene.contacts[0].alpha` changes the scene. Invalid assignments raise. A Handle without an owner, as Contact() of
+// Python, contains its object.
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -86,10 +84,8 @@ template <class Item>
 struct Items {
   std::function<std::size_t()> size;
   std::function<Item(std::size_t)> at;
-  // Returns the index of the item with this name, or -1.
-  std::function<int(const std::string&)> number = {};
-  // Returns the message for an unknown name.
-  std::function<std::string(const std::string&)> none = {};
+  std::function<int(const std::string&)> number = {};        // index of the item with this name, or -1
+  std::function<std::string(const std::string&)> none = {};  // message for an unknown name
 };
 
 template <class Item>

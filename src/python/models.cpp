@@ -11,8 +11,7 @@ namespace {
 
 using Placement = SE3<double>;
 
-// Tolerance of R^T R = 1, as for quaternions in files.
-constexpr double kOrthonormal = 1e-6;
+constexpr double kOrthonormal = 1e-6;  // tolerance of R^T R = 1, as for quaternions in files
 
 Placement placement(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
   if (!(R.transpose() * R).isIdentity(kOrthonormal) || !(R.determinant() > 0))

@@ -28,8 +28,7 @@ std::string text_of(const T& x) {
   return out.str();
 }
 
-/// Adds a member matrix of constant size as a property. Its value is an array that views the matrix, and assignments
-/// write into the matrix.
+/// Adds a member matrix of constant size as a property: an array that views the matrix. Assignments write into it.
 template <class T, class... Options, class M>
 void view_property(Class<T, Options...>& c, const char* name, M member) {
   c.property(
@@ -54,8 +53,7 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`. set_wrenches sets them from such an
-/// array.
+/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`; set_wrenches sets them from one.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
 /// Returns a matrix (n, 6) with a copy of the n wrenches.

@@ -8,8 +8,7 @@
 
 namespace manycontact::python {
 
-/// The bodies that a function was called with, and the Python object that keeps them alive.
-struct Bodies {
+struct Bodies {  // the bodies that a function was called with, and the Python object that keeps them alive
   std::shared_ptr<void> keeper;
   std::optional<RigidBodies> view;
 };

@@ -44,8 +44,7 @@ auto put(const char* name, Vector SimulationData::*member) {
   };
 }
 
-// States of a simulation: the first, one after every `every` steps, and the last.
-struct Trajectory {
+struct Trajectory {  // states of a simulation: the first, one after every `every` steps, and the last
   std::vector<double> t;
   std::vector<Vector> q, v;
   StepStatus status = StepStatus::kOk;
@@ -58,8 +57,7 @@ py::array stack(const std::vector<Vector>& rows, Eigen::Index cols) {
   return read_only(std::move(out));
 }
 
-// Handles Ctrl-C between steps. It is checked at most every 50 ms.
-class Signals {
+class Signals {  // Handles Ctrl-C between steps. It is checked at most every 50 ms.
  public:
   void look() {
     constexpr auto kOften = std::chrono::milliseconds(50);

@@ -15,8 +15,7 @@ namespace {
 constexpr Text kNone{"", "", ""};
 constexpr std::string_view kNotNone = " not None";
 
-// Key of the entries; value: how many of its overloads were used.
-std::map<std::string, std::size_t> taken;
+std::map<std::string, std::size_t> taken;  // value: number of overloads of the key that were used
 py::handle names_of_defaults;
 
 // Stores the name permanently, because pybind11 keeps the pointer until the function is complete.

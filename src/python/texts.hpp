@@ -11,9 +11,8 @@ namespace py = pybind11;
 namespace manycontact::python {
 
 struct Text {
-  const char* key;  // such as "solve", "Scene", "Scene.contacts"
-  // One per line: "x", "x not None", "x=default" with a Python expression, or "*".
-  const char* parameters;
+  const char* key;         // such as "solve", "Scene", "Scene.contacts"
+  const char* parameters;  // one per line: "x", "x not None", "x=default" (a Python expression), or "*"
   const char* doc;
 };
 
@@ -24,15 +23,13 @@ std::span<const Text> texts();
 /// Throws if there is no entry, except for methods with underscores such as __repr__.
 const Text& text_of(const std::string& key);
 
-/// Throws if an entry of docs/*.txt was not used.
-void expect_all_texts_taken();
+void expect_all_texts_taken();  // throws if an entry of docs/*.txt was not used
 
 /// Returns the name of V from the compiler's name of a function template, such as "status" from "... [with auto V =
 /// &manycontact::Report::status; ...]". Returns "" if V has no name, as a number outside of an enumeration.
 std::string name_in(const char* function);
 
-/// Returns the name of V, such as "status" for &Report::status and "kSparseLdl" for Method::kSparseLdl. Returns "" if V
-/// is a number without enumerator.
+/// Returns the name of V, such as "kSparseLdl" for Method::kSparseLdl, or "" if V is a number without enumerator.
 template <auto V>
 std::string name_of() {
   return name_in(__PRETTY_FUNCTION__);
@@ -46,8 +43,7 @@ std::string type_name() {
 /// Sets the module whose names may occur in default values of parameters.
 void set_names_of_defaults(const py::module_& m);
 
-/// A pybind11 attribute that gives a function the parameters and the docstring of its entry.
-struct Described {
+struct Described {  // a pybind11 attribute that gives a function the parameters and the docstring of its entry
   const Text& text;
 };
 void describe(const Text& text, py::detail::function_record* function);

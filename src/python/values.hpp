@@ -32,8 +32,7 @@ template <class V>
 inline constexpr bool is_map<std::unordered_map<std::string, V>> = true;
 using SharedModel = std::shared_ptr<const Model>;
 
-/// Returns the members of a plain structure as a tuple of references. Structured bindings make sure that none is
-/// missing.
+/// Returns references to a plain structure's members as a tuple. Structured bindings ensure that none is missing.
 template <class T>
 auto members(T& x) {
   return tied<std::remove_const_t<T>>(x);
@@ -44,8 +43,7 @@ bool equal(const T& a, const T& b) {
   if constexpr (is_matrix<T>) {
     return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
   } else if constexpr (std::is_floating_point_v<T>) {
-    // Quantities that were not estimated are NaN.
-    return a == b || (std::isnan(a) && std::isnan(b));
+    return a == b || (std::isnan(a) && std::isnan(b));  // quantities that were not estimated are NaN
   } else if constexpr (std::is_same_v<T, SolveTimes>) {
     return true;  // measured times are ignored
   } else if constexpr (std::is_same_v<T, SharedModel>) {
@@ -80,8 +78,7 @@ py::object pack(const T& x) {
   } else if constexpr (is_matrix<T>) {
     return copy(x);
   } else if constexpr (std::is_same_v<T, SharedModel>) {
-    // A model that several robots share is pickled once.
-    return py::cast(std::const_pointer_cast<Model>(x));
+    return py::cast(std::const_pointer_cast<Model>(x));  // a model that several robots share is pickled once
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
     return py::none();  // finalize computes it again
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {

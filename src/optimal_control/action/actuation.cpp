@@ -70,8 +70,7 @@ void ActuationModelSelection::torqueTransform(const DataPtr&, const ConstVectorR
   check("ActuationModel::torqueTransform", x, u);  // Mtau is constant, set in createData
 }
 
-// Returns the selection if this is a class of this library, otherwise an empty vector: classes that users derive may
-// have other derivatives.
+// Returns the selection. Empty for classes that users derive, because these may have other derivatives.
 const std::vector<int>& ActuationModelSelection::selection() const {
   static const std::vector<int> none;
   const auto& type = typeid(*this);

@@ -40,8 +40,7 @@ void MultibodyData::update(const ConstVectorRef& at_q, const ConstVectorRef& at_
   }
 }
 
-// The scene of an action model, and its solution.
-struct DataCollector::Own {
+struct DataCollector::Own {  // the scene of an action model, and its solution
   Own(const Scene& s, const Options& options) : scene(s), solution(scene, options) {}
   Scene scene;
   SceneData solution;
@@ -95,8 +94,7 @@ void DataCollector::prepare() {
 
 PanelView DataCollector::panel(std::size_t i) const {
   if (!custom.empty()) {
-    // Throws if no derivatives of the last solve exist.
-    (void)derivatives(solution);
+    (void)derivatives(solution);  // throws if no derivatives of the last solve exist
     const RowMajorMatrix& X = custom[i];
     return PanelView(X.data(), X.rows(), X.cols(), Eigen::OuterStride<>(X.cols()));
   }

@@ -17,12 +17,10 @@ namespace {
 Eigen::Index size(std::size_t n) { return static_cast<Eigen::Index>(n); }
 
 struct Differences {
-  // Derivatives with respect to x and u, where those for u are empty in a terminal node.
-  Eigen::MatrixXd x, u;
+  Eigen::MatrixXd x, u;  // derivatives w.r.t. x and u, those for u empty in a terminal node
 };
 
-// Differentiates value(data) at x, u by central differences. before(x, u) is called before each calc. The last calc is
-// at x, u.
+// Differentiates value(data) at x, u by central differences. before(x, u) precedes each calc; the last is at x, u.
 template <class Model, class Data, class Before, class Value>
 Differences differences(Model& model, const std::shared_ptr<Data>& data, const Eigen::VectorXd& x,
                         const Eigen::VectorXd& u, bool terminal, double h, Before&& before, Value&& value) {
@@ -271,8 +269,7 @@ std::string DifferentialActionModelNumDiff::where(const char*) const { return kN
 Eigen::VectorXd DifferentialActionModelNumDiff::coordinates(const DifferentialActionDataAbstract&,
                                                             const DifferentialActionDataAbstract& moved,
                                                             bool terminal) const {
-  // Terminal nodes have no acceleration.
-  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;
+  return terminal ? Eigen::VectorXd::Zero(state_->get_nv()).eval() : moved.xout;  // terminal: no acceleration
 }
 
 }  // namespace manycontact

@@ -17,7 +17,6 @@ void each_joint(const Scene& scene, Use&& use) {
     for (const Joint& joint : robot.model->joints) use(joint, robot.idx_q + joint.idx_q, robot.idx_v + joint.idx_v);
 }
 
-// Replaces the matrix `rows` by J rows.
 template <int n, class Rows>
 void transport(const Eigen::Matrix<double, n, n>& J, Rows&& rows) {
   for (Eigen::Index j = 0; j < rows.cols(); ++j) {
@@ -161,8 +160,7 @@ void StateMultibody::integrate(const ConstVectorRef& x, const ConstVectorRef& dx
 void StateMultibody::Jdiff(const ConstVectorRef& x0, const ConstVectorRef& x1, MatrixRef Jfirst, MatrixRef Jsecond,
                            Jcomponent which) const {
   Eigen::VectorXd dx(ndx_);
-  // calls the diff of this class, even if a derived class overrides it
-  StateMultibody::diff(x0, x1, dx);
+  StateMultibody::diff(x0, x1, dx);  // the diff of this class, even if a derived class overrides it
   const auto fill = [&](bool of_x0, MatrixRef J) {
     check_size("StateMultibody::Jdiff", of_x0 ? "Jfirst" : "Jsecond", J.size(), ndx_ * ndx_);
     J.setZero();

@@ -5,8 +5,7 @@
 
 namespace manycontact::internal {
 
-/// The terms of an action model. constraints is null if there are none.
-struct ActionTerms {
+struct ActionTerms {  // The terms of an action model. constraints is null if there are none.
   const CostModelSum& costs;
   const ConstraintModelManager* constraints;
 };
@@ -24,17 +23,13 @@ void each_residual(const ActionTerms& terms, Use&& use) {
 /// `active` of a constraint was changed without changeConstraintStatus.
 void check_terms(const char* where, const ActionTerms& terms, const CostDataSum& costs,
                  const ConstraintDataManager* constraints);
-/// Returns whether ResidualModelAbstract::fits is true for the data of all residuals. It is false after a residual's
-/// frame has changed.
+/// Returns whether ResidualModelAbstract::fits is true for the data of all residuals; false after a frame has changed.
 bool residuals_fit(const ActionTerms& terms, const CostDataSum& costs, const ConstraintDataManager* constraints);
-/// read_status stores whether each term is active, in the order of each_residual. has_status compares this with
-/// `status`.
+/// read_status stores whether each term is active, in the order of each_residual. has_status compares this to `status`.
 void read_status(const ActionTerms& terms, std::vector<bool>& status);
 bool has_status(const ActionTerms& terms, const std::vector<bool>& status);
-/// Throws std::logic_error unless `fits`. The message states that a calc of this stage with the same active terms is
-/// required.
+/// Throws std::logic_error unless `fits`. The message asks for a calc of this stage with the same active terms.
 void check_stage(const char* who, bool fits, Stage stage);
-/// Stacks the residuals of the active costs in r.
 void stack_residuals(const CostModelSum& model, const CostDataSum& data, Eigen::VectorXd& r);
 
 }  // namespace manycontact::internal

@@ -115,8 +115,7 @@ void CouplingSchur::respond_at(const Problem& problem, int cluster, int k) {
     MatrixMap& Wpi = PE;
     Wpi.setZero();
     add_AB(Wpi, 1, W, pi);
-    // The upper half is stored as theta_y - G theta_z.
-    if (steps) {
+    if (steps) {  // the upper half is stored as theta_y - G theta_z
       add_DX(theta.topRows(ny), 0, steps->J, Wpi.topRows(ny));
       theta.topRows(ny) *= -1;
     }

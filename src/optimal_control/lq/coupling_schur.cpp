@@ -127,8 +127,7 @@ Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);
   if (failed < 0) return {};
-  // Even vertices contain mu, odd vertices w.
-  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};
+  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // even: mu, odd: w
 }
 
 void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg) {

@@ -9,8 +9,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Residuals of equations, and for each equation the sum of the magnitudes of its terms.
-struct Rows {
+struct Rows {  // residuals of equations, and for each equation the sum of the magnitudes of its terms
   VectorXd& sum;
   VectorXd& scale;
 };

@@ -96,8 +96,7 @@ void link(std::vector<Cluster>& now, const std::vector<Cluster>& next, int block
 
 Plan make_plan(const Problem& problem, Join join) {
   std::vector<int> memory(problem.blocks());
-  // Sets of blocks, from the last knot to the first; sets are only joined.
-  sparse::UnionFind partition(memory);
+  sparse::UnionFind partition(memory);  // sets of blocks, from the last knot to the first; sets are only joined
   if (join == Join::kNoCouplings)
     for (const Knot& knot : problem.knots) join_knot(problem, knot, join, partition);
   const int T = problem.horizon();

@@ -10,14 +10,11 @@ namespace manycontact::lq {
 
 namespace {
 
-// Returns whether all entries are finite. If an entry is not, the sum of all is not finite either.
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-// Weight of |D v|^2, relative to the sizes of Qvv and D, in the test whether Qvv is positive definite on D v = 0.
-constexpr double kConvexWhereFeasible = 1e6;
+constexpr double kConvexWhereFeasible = 1e6;  // weight of |D v|^2, relative to Qvv and D, in the test of convexity
 
-// Smallest accepted pivot of the LU, relative to its row and column. A matrix with a smaller pivot counts as singular.
-constexpr double kSingularPivot = 1e-14;
+constexpr double kSingularPivot = 1e-14;  // smallest accepted pivot of the LU, relative to its row and column
 
 }  // namespace
 
@@ -82,7 +79,6 @@ Eigen::Ref<const MatrixXd> Riccati::next_value(const Problem& problem, int k, in
   return P;
 }
 
-// Computes Qxx, Qxv and Qvv of cluster `index` of knot k in step_.
 void Riccati::expand(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   step_.lay_out(c.nv, c.nx);
@@ -103,7 +99,6 @@ void Riccati::expand(const Problem& problem, int k, int index, const Regularisat
   if (c.nu > 0) Qvv.diagonal().head(c.nu).array() += reg.u;
 }
 
-// Computes F^T P+ F of cluster `index` of knot k in step_.
 void Riccati::expand_next_value(const Problem& problem, int k, int index) {
   const Cluster& c = plan_[k][index];
   const SymplecticStructure* known = steps(problem, k, index);
@@ -138,8 +133,7 @@ Status Riccati::eliminate(const Problem& problem, int k, int index, const Regula
   return finite(policy.P) ? Status::kOk : Status::kNotFinite;
 }
 
-// Computes K and P of a cluster with couplings. A Cholesky factor of Qvv + weight D^T D shows whether Qvv is positive
-// definite on D v = 0.
+// Computes K and P of a cluster with couplings. Cholesky of Qvv + weight D^T D tests whether Qvv > 0 on D v = 0.
 Status Riccati::eliminate_with_rows(const Problem& problem, int k, int index, const Regularisation& reg) {
   const Cluster& c = plan_[k][index];
   Policy& policy = policies_[k][index];

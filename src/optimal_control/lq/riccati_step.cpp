@@ -19,7 +19,6 @@ void grow(std::vector<double>& panel, std::ptrdiff_t size) {
 
 constexpr Index kTile = 8;  // size of transposed tiles, one cache line
 
-// Copies A to the row-major matrix `out` with rows of length ld.
 void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
   const Index rows = A.rows(), cols = A.cols(), stride = A.outerStride();
   for (Index j = 0; j < cols; j += kTile)
@@ -36,7 +35,6 @@ void copy_rows(const Eigen::Ref<const MatrixXd>& A, double* out, Index ld) {
     }
 }
 
-// Copies the lower triangle of A to its upper triangle.
 void mirror(MatrixXd& A) {
   const Index n = A.rows();
   for (Index j = 0; j < n; j += kTile)

@@ -116,8 +116,7 @@ void add_action_model(Class<T, Options...>& c) {
   c.unlocked("quasiStatic", &T::quasiStatic_x, "checkData", &T::checkData).methods("__str__", &text_of<T>);
 }
 
-/// A base class for models written in Python. Calls their calc and calcDiff (data, x, u=None), and their createData,
-/// with the GIL.
+/// A base class for models in Python. Calls their calc, calcDiff (data, x, u=None) and createData with the GIL.
 template <class Abstract, class AbstractData>
 struct PyActionModel : Abstract {
   using Abstract::Abstract;
@@ -141,8 +140,7 @@ struct PyActionModel : Abstract {
   }
 
  private:
-  // Calls quasiStatic(self, data, x, maxiter, tol) of Python, which returns u. Returns false if Python has no such
-  // method.
+  // Calls quasiStatic(self, data, x, maxiter, tol) of Python, which returns u. Returns false if there is none.
   bool own_quasi_static(const Data& data, VectorRef u, const ConstVectorRef& x, std::size_t maxiter, double tol) {
     const py::gil_scoped_acquire gil;
     const py::function own = py::get_override(static_cast<const Abstract*>(this), "quasiStatic");

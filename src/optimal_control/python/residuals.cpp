@@ -93,8 +93,7 @@ void add_shared(py::module_& m) {
       });
 }
 
-// Returns a getter of a whole matrix. It returns a view if the data contain the whole matrix, otherwise a copy made
-// from the blocks.
+// Returns a getter of a whole matrix: a view if the data contain it, otherwise a copy made from the blocks.
 auto whole(Eigen::MatrixXd ResidualDataAbstract::*member, Eigen::MatrixXd (ResidualDataAbstract::*made)() const) {
   return [member, made](const py::object& self) {
     auto& d = self.cast<ResidualDataAbstract&>();

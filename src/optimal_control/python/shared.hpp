@@ -1,6 +1,5 @@
 #pragma once
-// `data.shared` is the part of an action model that residuals and costs in Python can read in calc, calcDiff,
-// createData.
+// `data.shared`: part of an action model that residuals and costs in Python can read in calc, calcDiff, createData.
 
 #include "action.hpp"
 #include "manycontact/action/state.hpp"
@@ -32,8 +31,7 @@ class Shared {
   const StateMultibody& state_;
 };
 
-/// Registers a call to Python in this thread during its lifetime, so that `data` can read their `shared`.
-class Scope {
+class Scope {  // registers a call to Python in this thread during its lifetime, so that `data` can read their `shared`
  public:
   template <class Model, class Data>
   Scope(const Model& model, const Data& data) {
@@ -41,8 +39,7 @@ class Scope {
   }
   ~Scope();
   Scope(const Scope&) = delete;
-  /// Returns the Shared of the innermost running call that has these data. Raises ValueError if no such call is
-  /// running.
+  /// Returns the Shared of the innermost running call that has these data. Raises ValueError if there is none.
   static std::shared_ptr<Shared> shared_of(const void* data);
 
  private:

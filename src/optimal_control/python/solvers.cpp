@@ -48,8 +48,7 @@ struct PySolver : T {
   void resizeData() override { PYBIND11_OVERRIDE(void, T, resizeData, ); }
   double calcDiff() override {
     const auto cost = [this]() -> double { PYBIND11_OVERRIDE(double, T, calcDiff, ); };
-    // This is necessary, because Python code cannot set cost_.
-    return this->cost_ = cost();
+    return this->cost_ = cost();  // Python code cannot set cost_
   }
   void backwardPass() override { PYBIND11_OVERRIDE(void, T, backwardPass, ); }
   void forwardPass(double steplength) override { PYBIND11_OVERRIDE(void, T, forwardPass, steplength); }

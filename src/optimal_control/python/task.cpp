@@ -6,8 +6,7 @@ namespace manycontact::python {
 
 namespace {
 
-// Calls optimize. solver: None means that of the task. each: called with each TaskIteration; ends the solve if it
-// returns False.
+// Calls optimize. solver: None means the task's. each(TaskIteration) ends the solve by returning False.
 TaskSolution optimize_task(const TaskFile& task, const std::shared_ptr<TaskProblem>& given,
                            std::optional<TaskSolver> solver, int threads, const std::optional<py::function>& each) {
   TaskOptions options;

@@ -4,8 +4,7 @@
 
 namespace manycontact::task {
 
-/// Throws InputError if the data of all nodes and of the solver would exceed the available memory. Measures the data of
-/// one node of each kind.
+/// Throws InputError if the data of nodes and solver would exceed the available memory, measured on one node per kind.
 void require_memory(const TaskFile& task, const ShootingProblem::Models& running);
 
 /// Returns whether dense Riccati recursions of the task's parts fit into half the available memory, estimated roughly.

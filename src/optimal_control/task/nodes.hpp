@@ -24,14 +24,11 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  // One entry per phase; null for a phase without impact.
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; null without impact
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
-/// Returns the scene with a phase's contacts.
-Scene scene_with(const TaskFile& task, const std::vector<bool>& active);
-/// Returns the scene with a phase's contacts and external wrenches.
+Scene scene_with(const TaskFile& task, const std::vector<bool>& active);  // returns the scene with a phase's contacts
 Scene scene_in(const TaskFile& task, const TaskPhase& phase);
 /// Returns the number of linearly dependent contact rows at x0, computed without the scene's damping.
 int dependent_rows(Scene scene, const Eigen::VectorXd& x0);
@@ -48,18 +45,15 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 
 // ---- terms
 
-/// The context in which terms are made.
-struct Parts {
+struct Parts {  // the context in which terms are made
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
-  // Null for an impact, whose terms depend only on the state.
-  std::shared_ptr<ActuationModelAbstract> actuation;
+  std::shared_ptr<ActuationModelAbstract> actuation;  // null for an impact, whose terms depend only on x
   std::shared_ptr<ContactModelMultiple> contacts;
   std::size_t nu() const { return actuation ? actuation->get_nu() : 0; }
 };
 
-/// Returns the state (q, v) of the scene file.
-Eigen::VectorXd x0_of(const SceneFile& file);
+Eigen::VectorXd x0_of(const SceneFile& file);  // returns the state (q, v) of the scene file
 
 /// Add the costs or the constraints of a term. Throw std::invalid_argument if the term does not fit the scene.
 void add_cost(const TaskTerm& term, const Parts& parts, CostModelSum& costs);

@@ -22,8 +22,7 @@ namespace {
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// Largest constraint violation and KKT residual of a task that counts as converged.
-constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;
+constexpr double kMostViolation = 1e-9, kMostResidual = 1e-6;  // largest values of a task that counts as converged
 
 double median(std::vector<double> x) {
   if (x.empty()) return 0;
@@ -138,8 +137,7 @@ TaskTimes times_of(const Passes& passes, std::size_t nodes) {
   return {median(passes.forward) / n, median(passes.derivatives) / n, median(passes.backward) / n, 0};
 }
 
-// One solve, with its task, problem, settings and result.
-struct Run {
+struct Run {  // one solve, with its task, problem, settings and result
   const TaskFile& task;
   TaskProblem& problem;
   const TaskOptions& options;
@@ -151,8 +149,7 @@ struct Run {
   std::shared_ptr<SolverDDP> make(const std::shared_ptr<ShootingProblem>& shooting) {
     return make_solver(type, problem.parts.size() > 1, shooting, passes);
   }
-  /// Returns the number of remaining iterations.
-  std::size_t left() const { return most - std::min(most, out.iterations.size()); }
+  std::size_t left() const { return most - std::min(most, out.iterations.size()); }  // remaining iterations
 
   void solve(SolverAbstract& solver, const SolverDDP& inner) {
     solver.set_th_stop(task.tolerance);
@@ -179,8 +176,7 @@ struct Run {
 
   void with_constraints() {
     SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-    // The size of a running cost of weight 1, which contains the step as a factor.
-    solver.set_penalty_init(task.step);
+    solver.set_penalty_init(task.step);  // size of a running cost of weight 1, which contains the step
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
     solver.set_measures_scale(true);
@@ -189,8 +185,7 @@ struct Run {
     out.constraint_violation = solver.get_violation();
     out.outer_iterations = solver.get_outer_iter();
     out.multipliers = solver.get_multipliers();
-    // This also computes the forces of couplings.
-    problem.problem->calc(out.xs, out.us);
+    problem.problem->calc(out.xs, out.us);  // also computes the forces of couplings
     out.violations = violations(problem);
     if (!out.converged) out.reason = with_violations(solver.reason(), out.violations);
     out.kkt_residual = solver.get_kkt_residual();
@@ -247,8 +242,7 @@ bool stayed_at_guess(const TaskSolution& s) {
 bool falls_beside(ShootingProblem& problem, bool limits, double cost, Vectors& xs, Vectors& us) {
   constexpr int kTries = 4;
   constexpr double kChange = 1e-2;  // relative to the largest control, or to 1 if that is larger
-  // Least decrease, relative to the cost; above its rounding error.
-  constexpr double kFall = 1e-10;
+  constexpr double kFall = 1e-10;   // least decrease, relative to the cost; above its rounding error
   std::mt19937 random(1);
   std::normal_distribution<double> change(0, kChange * internal::largest_number(us));
   const Vectors centre = us;
@@ -327,8 +321,7 @@ void take_dense_recursion(Run& run) {
   go_on(run);
 }
 
-// Adds failures of the dynamics to the reason. They are those at the result, or in the last tried steps if no step was
-// accepted.
+// Adds failures of the dynamics to the reason: those at the result, or of the last tried steps if none was accepted.
 void tell_failures(Run& run) {
   TaskSolution& s = run.out;
   run.problem.problem->calc(s.xs, s.us);

@@ -15,8 +15,7 @@ void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
 
-// The scene's indices of a part's robots and contacts. robot_at, contact_at: for each of the scene, its index in the
-// part, or -1.
+// A part's robots and contacts as the scene's indices. robot_at, contact_at: per item of the scene, index here or -1.
 struct Share {
   std::vector<int> robots, contacts, robot_at, contact_at;
 };
@@ -151,8 +150,7 @@ std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRob
   for (const TaskPhase& phase : task.phases) join(phase, sets);
   join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  // Index in `out` of each set, by the set's root, which is its first robot.
-  std::vector<std::size_t> at(scene.robots.size());
+  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of each set, by its first robot
   for (int r = 0; r < scene.nrobots(); ++r) {
     const auto root = static_cast<std::size_t>(sets.root(r));
     if (root == static_cast<std::size_t>(r)) {

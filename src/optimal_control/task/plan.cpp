@@ -23,8 +23,7 @@ constexpr double kOutOfPlace = 1e-3;  // smallest error [m, rad] that is reporte
 
 using Vectors = std::vector<Eigen::VectorXd>;
 
-// Position and velocity of a point of a robot, or of the world.
-struct Point {
+struct Point {  // position and velocity of a point of a robot, or of the world
   Vec3<double> p = Vec3<double>::Zero(), v = Vec3<double>::Zero();
 };
 

@@ -46,8 +46,7 @@ std::shared_ptr<ContactModelMultiple> contacts_of(const TaskFile& task, const Ta
 namespace task {
 
 bool holds_where_it_closed(const TaskFile& task, const TaskPhase& phase, std::size_t contact) {
-  // Number of the phase, where the terminal node has the contacts of the last phase.
-  std::size_t k = 0;
+  std::size_t k = 0;  // number of the phase; the terminal node has the last phase's contacts
   while (k + 1 < task.phases.size() && &task.phases[k] != &phase) ++k;
   while (k > 0 && task.phases[k - 1].active[contact]) --k;
   return k > 0 && !task.phases[k].at_scene;
@@ -126,8 +125,7 @@ std::vector<Eigen::VectorXd> guess_of(const TaskFile& task) {
 
 namespace {
 
-// Makes state, actuation and differential models. With kSparse the models only serve to inspect them, because the nodes
-// use one model per subproblem.
+// Makes state, actuation and differential models, with kSparse only for inspection: nodes use a model per subproblem.
 TaskProblem models_of(const TaskFile& task, MatrixStorage storage) {
   TaskProblem out;
   out.state = std::make_shared<StateMultibody>(task.scene.scene);
@@ -201,8 +199,7 @@ void finish(const TaskFile& task, const Nodes& nodes, const std::vector<Eigen::V
   out.xs.assign(running.size() + 1, x0);
 }
 
-// A part of the scene: its robots, and the blocks of these robots (as indices within the part).
-struct Part {
+struct Part {  // a part of the scene: its robots, and the blocks of these robots (as indices within the part)
   std::vector<int> robots;
   TaskFile task;
   std::vector<std::vector<int>> blocks;

@@ -14,16 +14,14 @@ namespace manycontact::task {
 
 namespace {
 
-// One residual of a term, for one copy of a robot or contact, or for all copies.
-struct Residual {
+struct Residual {    // one residual of a term, for one copy of a robot or contact, or for all copies
   std::string name;  // the term's name, followed by the copy's number if there are several
   std::shared_ptr<ResidualModelAbstract> model;
   int copies = 1;                // number of repetitions of the term's weights and bounds
   Eigen::VectorXd lower, upper;  // bounds of a cone
 };
 
-// Returns the motion that moves the references of a term from the original robot to its copy `to`. It is the identity
-// if the term is not copied.
+// Returns the motion of a term's references from the original robot to its copy `to`; the identity if not copied.
 SE3<double> move(const SceneFile& file, const TaskTerm& term, int to) {
   return term.copied ? file.moved[to] : SE3<double>{};
 }
@@ -43,8 +41,7 @@ bool is_isotropic(const TaskTerm& term) {
   return term.activation == TaskActivation::kQuad && term.lower.size() == 0 && term.upper.size() == 0;
 }
 
-// Expresses a residual in world axes along the axes of its copy, to which weights and bounds apply. R rotates the world
-// axes to these axes.
+// Expresses a residual along the axes of its copy, to which weights and bounds apply. R rotates world axes to these.
 std::shared_ptr<ResidualModelAbstract> in_own_axes(const TaskTerm& term, std::shared_ptr<ResidualModelAbstract> model,
                                                    const Mat3<double>& R) {
   const Eigen::Index nr = static_cast<Eigen::Index>(model->get_nr());
@@ -161,8 +158,7 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
   }
 }
 
-// The axes of a cone on a contact, and the rotation R of the cone in these axes, with z along the normal
-// (contact/normal.hpp).
+// Axes of a cone on a contact, and the rotation R of the cone in these, with z along the normal (contact/normal.hpp).
 struct Cone {
   ConeAxes axes;
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();

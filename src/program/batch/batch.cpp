@@ -18,8 +18,7 @@ namespace {
 
 constexpr int kStatuses = 5;
 
-/// The data of a run in one process. `part` contains the islands of this process, or the whole scene if the processes
-/// split the states.
+/// The data of a run in one process. part: the islands of this process, or the scene if processes split the states.
 struct BatchRun {
   ScenePart part;
   std::string name;
@@ -117,8 +116,7 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   const Scene& own = run.part.scene;
   NpyOutput& file = run.out[1];
   const std::int64_t rows = run.derivative_rows(), cols = run.derivative_cols();
-  // In this case the part is the whole scene.
-  if (b.d.cols() == rows * cols) {
+  if (b.d.cols() == rows * cols) {  // the part is the whole scene
     file.write(first * rows * cols, b.d.size(), b.d.data());
     return;
   }
@@ -141,7 +139,6 @@ void write_derivatives(BatchRun& run, std::int64_t first, StateBlock& b) {
   }
 }
 
-// Solves the part at the states first, ..., first+n-1. Writes solutions to b.out, and derivatives to their file.
 void work_on(BatchRun& run, std::int64_t first, std::int64_t n, StateBlock& b) {
   b.resize(run, n);
   run.states->read(first * run.in_size(), b.in.size(), b.in.data());
@@ -230,8 +227,7 @@ int run_batch(const Arguments& arguments, Communicator& communicator) {
   }
   std::vector<std::int64_t> counts = work(run, communicator);
   for (NpyOutput& out : run.out) out.finish();
-  // sum also waits for all processes
-  communicator.sum(counts);
+  communicator.sum(counts);  // also waits for all processes
   // The file of solutions comes last, so that the file of derivatives is complete if it exists.
   if (communicator.rank() == 0)
     for (auto out = run.out.rbegin(); out != run.out.rend(); ++out) out->publish();

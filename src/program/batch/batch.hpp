@@ -23,7 +23,6 @@ class Communicator {
   virtual void begin() {}
   virtual void end() {}
 
-  /// Returns the text of rank 0 in all processes.
   virtual std::string told(const std::string& text) { return text; }
   /// Replaces the numbers by their sums over all processes, in every process.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
@@ -35,7 +34,6 @@ class Communicator {
 /// Runs the command as one process of the communicator. Returns the exit status.
 int run_batch(const Arguments& arguments, Communicator& communicator);
 
-/// Returns whether this process is one of several that mpirun started.
-bool under_mpirun();
+bool under_mpirun();  // returns whether this process is one of several that mpirun started
 
 }  // namespace manycontact::cli

@@ -35,8 +35,7 @@ class NpyInput {
   std::vector<std::int64_t> shape_;
 };
 
-/// An output file that several processes may write. One process calls create(), the others join() with the temporary
-/// name.
+/// An output file that several processes may write. One calls create(), the others join() with the temporary name.
 class NpyOutput {
  public:
   NpyOutput(const std::string& path, const std::vector<std::int64_t>& shape);
@@ -45,7 +44,6 @@ class NpyOutput {
   void create();
   void join(const std::string& temporary);
   const std::string& temporary() const { return file_->temporary(); }
-  /// Writes `count` numbers from index `first` on.
   void write(std::int64_t first, std::int64_t count, const double* numbers);
   void finish() { file_->finish(); }
   void publish() { file_->publish(); }

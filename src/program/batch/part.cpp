@@ -17,8 +17,7 @@ void append(std::vector<Segment>& list, int whole, int own, int count) {
     list.push_back({whole, own, count});
 }
 
-// The robots and active contacts of a part's islands, in ascending order.
-struct Members {
+struct Members {  // the robots and active contacts of a part's islands, in ascending order
   std::vector<int> robots, contacts;
 };
 Members members_of(const Scene& scene, const std::vector<Island>& islands, int number, int parts) {

@@ -5,15 +5,13 @@
 
 namespace manycontact::cli {
 
-/// A range of `count` indices that starts at `whole` in the whole scene, and at `own` in the part.
-struct Segment {
+struct Segment {  // a range of `count` indices that starts at `whole` in the whole scene, and at `own` in the part
   int whole = 0, own = 0, count = 0;
 };
 
 struct ScenePart {
-  Scene scene;  // has gravity and damping of the whole scene
-  // Segments of coordinates, torques, and (f) of constraint rows of the part's contacts, all of which are active.
-  std::vector<Segment> q, v, u, f;
+  Scene scene;                         // has gravity and damping of the whole scene
+  std::vector<Segment> q, v, u, f;     // coordinates, torques, and constraint rows of the contacts, all active
   int nq = 0, nv = 0, nu = 0, nf = 0;  // sizes of the whole scene
   int own_nf = 0;
 };

@@ -44,8 +44,7 @@ struct ChartRow {
   std::optional<double> error_acceleration, error_forces, error_derivatives;
   bool front = false;  // whether the row is on the Pareto front of time and acceleration error
 
-  /// Returns the damping as text, such as "1e-6", or "none" for 0.
-  std::string regularisation() const;
+  std::string regularisation() const;  // returns the damping as text, such as "1e-6", or "none" for 0
 };
 
 struct Chart {
@@ -53,8 +52,7 @@ struct Chart {
                              // contact rows, 1 island"
   std::string picture;       // file name without extension
   std::vector<ChartRow> rows;
-  // Allowed error of a and f, max(1e-12, 100 eps condition); the allowed error of derivatives is ten times larger.
-  double allowed = 0;
+  double allowed = 0;  // allowed error of a and f, max(1e-12, 100 eps condition); of derivatives ten times that
   double condition = 0;
   std::vector<std::string> notes;  // explanations of large or missing errors
 };
@@ -64,8 +62,7 @@ Chart make_chart(const SceneFile& file, const ChartLimits& limits);
 
 // ---- steps of make_chart ------------------------------------------------------------------------------------------
 
-/// A row of the chart, with the scene and the data with which it is computed.
-struct Candidate {
+struct Candidate {  // a row of the chart, with the scene and the data with which it is computed
   ChartRow* row = nullptr;
   Scene scene;  // the scene, but with the row's damping
   std::unique_ptr<SceneData> data;
@@ -86,8 +83,7 @@ void progress(const std::string& text);
 
 // ---- output files -------------------------------------------------------------------------------------------------
 
-/// Writes chart.csv. Throws InputError if the file cannot be written.
-void write_csv(const std::vector<Chart>& charts, const std::string& path);
+void write_csv(const std::vector<Chart>& charts, const std::string& path);  // throws InputError on failure
 /// Writes chart.json for src/program/charts/chart.py, as write_csv. scenes: number of scenes, even without a chart.
 void write_json(const std::vector<Chart>& charts, std::size_t scenes, const std::string& path);
 

@@ -15,12 +15,9 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-// Time per round and candidate in which calls are repeated; at least one call is made [us].
-constexpr double kTurn = 200;
-// If the first call takes longer, its time counts, and there is no warm-up [us].
-constexpr double kNoWarmUp = 300e3;
-// Larger derivatives are released between rounds [bytes].
-constexpr double kLarge = 4e6;
+constexpr double kTurn = 200;        // time per round and candidate for repeated calls, at least one [us]
+constexpr double kNoWarmUp = 300e3;  // if the first call takes longer, it counts, without warm-up [us]
+constexpr double kLarge = 4e6;       // larger derivatives are released between rounds [bytes]
 
 // Measures a call in one round: calls it once to warm up, and returns the median time of repeated calls.
 template <class Call>

@@ -9,8 +9,7 @@
 
 namespace manycontact::cli {
 
-/// The exception for a command line that differs from what the command expects.
-struct UsageError : std::runtime_error {
+struct UsageError : std::runtime_error {  // the exception for a command line that differs from what the command expects
   using std::runtime_error::runtime_error;
 };
 
@@ -18,8 +17,7 @@ struct Option {
   std::string name;   // the name of the option with its dashes
   std::string value;  // the placeholder of its value in the usage; empty for a flag
   std::string help;
-  // Whether the usage shows the option as required; the command itself throws if it is missing.
-  bool required = false;
+  bool required = false;  // whether the usage shows the option as required; the command itself throws if it is missing
 };
 
 class Arguments {

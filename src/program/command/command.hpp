@@ -18,16 +18,14 @@ struct Command {
   std::string operands;  // the operands as the usage shows them
   std::string summary;   // a description in one line
   std::vector<Option> options;
-  std::string help;  // text that follows the options
-  // Name of a program in the same folder, which executes the command if `run` is null.
-  std::string beside;
+  std::string help;    // text that follows the options
+  std::string beside;  // name of a program in the same folder, which executes the command if `run` is null
   int (*run)(const Arguments&) = nullptr;
 };
 
 /// Reads the command `name` from commands.txt. If `run` is null, a separately built program executes the command.
 Command command(const std::string& name, int (*run)(const Arguments&) = nullptr);
-/// Returns commands.txt, which is embedded in the program.
-std::string_view commands_text();
+std::string_view commands_text();  // returns commands.txt, which is embedded in the program
 
 int run_solve(const Arguments& arguments);
 int run_inspect(const Arguments& arguments);
@@ -52,18 +50,15 @@ void check_files(const Arguments& arguments, const std::vector<std::string>& rea
 /// Throws UsageError if one of the files `names` that an option writes into `folder` is also in `others`.
 void check_folder(const std::string& option, const std::string& folder, const std::vector<std::string>& names,
                   const std::vector<std::string>& others);
-/// Creates a folder unless it exists. Throws InputError if this fails.
-void make_folder(const std::string& folder);
+void make_folder(const std::string& folder);  // Creates a folder unless it exists. Throws InputError if this fails.
 /// Returns whether one of the options `written` names standard output, so that nothing else may be printed there.
 bool is_standard_output(const Arguments& arguments, const std::vector<std::string>& written);
 
-/// Reads --method, --order and --precision. Throws UsageError.
-Options solver_options(const Arguments& arguments);
+Options solver_options(const Arguments& arguments);  // Reads --method, --order and --precision. Throws UsageError.
 /// Returns the text with {methods}, {orders} and {precisions} replaced by the lists of their names.
 std::string with_names(std::string text);
 
-/// Runs the command that the first word names. Prints an exception as one line on standard error. Returns the exit
-/// status.
+/// Runs the command that the first word names. Prints an exception as one line on standard error. Returns exit status.
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words);
 
 /// Returns the usage in one line, such as "usage: manycontact solve SCENE [--method M] ...".

@@ -18,8 +18,7 @@ class InterruptFlag {
   bool is_set() const;
 };
 
-/// Makes a signal that ends the program during its lifetime remove the file `path`.
-class RemovedBySignals {
+class RemovedBySignals {  // makes a signal that ends the program during its lifetime remove the file `path`
  public:
   explicit RemovedBySignals(const std::string& path);
   ~RemovedBySignals();

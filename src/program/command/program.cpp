@@ -73,8 +73,7 @@ int dispatch(const std::vector<Command>& commands, const std::vector<std::string
   return complain(kind + words[0] + "'", hint, kExitUsage);
 }
 
-// Opens /dev/null for standard descriptors that are closed, so that no file opened later becomes standard error.
-// Writing to them still fails.
+// Opens /dev/null for closed standard descriptors, so that no file takes their numbers. Writing to them still fails.
 void hold_standard_descriptors() {
   int file = 0;
   do file = open("/dev/null", O_RDONLY);
@@ -87,8 +86,7 @@ void hold_standard_descriptors() {
 int run_program(const std::vector<Command>& commands, const std::vector<std::string>& words) {
   hold_standard_descriptors();
   hear_signals();
-  // Makes writing beyond the file size limit fail with an error instead of ending the program.
-  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // makes writing beyond the file size limit fail with an error
   try {
     const int status = dispatch(commands, words);
     if (std::cout.flush()) return status;

@@ -6,11 +6,9 @@ namespace manycontact::cli {
 
 namespace {
 
-// Time per multiply-add of Eigen's products and LLT [us].
-constexpr double kFlop = 9e-5;
-// Time per multiply-add of a rank-revealing decomposition, which works column by column [us].
-constexpr double kSlowFlop = 2.2e-4;
-constexpr double kCall = 5;  // time per island [us]
+constexpr double kFlop = 9e-5;        // time per multiply-add of Eigen's products and LLT [us]
+constexpr double kSlowFlop = 2.2e-4;  // time per multiply-add of a rank-revealing decomposition, by column [us]
+constexpr double kCall = 5;           // time per island [us]
 
 double cube(double x) { return x * x * x; }
 

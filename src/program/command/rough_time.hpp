@@ -8,7 +8,6 @@
 
 namespace manycontact::cli {
 
-/// Returns the time of a call [us].
 template <class Call>
 double time_of(Call&& call) {
   const auto start = std::chrono::steady_clock::now();

@@ -60,7 +60,6 @@ std::vector<std::string> header(const ExportPlan& plan, const std::string& what,
           "nv " + page["nv"].dump() + ", nc " + page["nc"].dump() + ", rank of J " + page["rank"].dump()};
 }
 
-// Writes the exact solutions of an island's systems.
 void write_truth(const ExportPlan& plan, const ExactSolution& of_scene, const ExportedSystem& s, Json& page) {
   const auto write = [&](const std::string& kind, const std::string& what, const ExactSolution& x) {
     if (x.x.cols() > 0) write_dense(plan.path(page["name"].get<std::string>() + kind), x.x, header(plan, what, page));

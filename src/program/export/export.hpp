@@ -18,8 +18,7 @@ struct ExportedSystem {
   Island island;
   Eigen::SparseMatrix<double> K;  // [M J^T; J -delta I], both triangles
   Eigen::VectorXd b;              // [tau_b; -a0]
-  // db has nv + nc rows and columns [q | v | u]; it is empty unless derivatives were requested
-  Eigen::MatrixXd db;
+  Eigen::MatrixXd db;             // nv + nc rows, columns [q | v | u]; empty unless derivatives were requested
 
   int size() const { return island.size(); }
 };

@@ -79,8 +79,7 @@ Eigen::MatrixXd derivative_right_hand_sides(const Eigen::SparseMatrix<double>& K
   d.check();
   Eigen::MatrixXd dx = d.X.leftCols(d.cols);
   if (!dx.allFinite()) return {};
-  // The unknowns are x = [a; -f].
-  dx.bottomRows(d.nc) *= -1;
+  dx.bottomRows(d.nc) *= -1;  // the unknowns are x = [a; -f]
   return product(K, dx);
 }
 

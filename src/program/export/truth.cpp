@@ -8,11 +8,9 @@ namespace manycontact::cli {
 
 namespace {
 
-// Most refinement steps; each step gains digits if eps |K| |K^-1| is below 1.
-constexpr int kMostSteps = 40;
+constexpr int kMostSteps = 40;        // most refinement steps; each gains digits if eps |K| |K^-1| is below 1
 constexpr double kConverged = 1e-20;  // largest relative last correction of a solution that is accepted
-// Quadruple precision has 34 digits, of which the residual of many terms loses about two.
-constexpr double kMostDigits = 32;
+constexpr double kMostDigits = 32;    // the residual of many terms loses about two of 34 digits
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {
   VecX<Quad> r = b.cast<Quad>();
@@ -41,8 +39,7 @@ struct Correction {
   double whole = INFINITY, parts = INFINITY;
 };
 
-// Repeats x <- x + (LU)^-1 (b - K x) with quadruple-precision residuals while corrections shrink. Returns the size of
-// the smallest correction.
+// Repeats x <- x + (LU)^-1 (b - K x) in quadruple precision while corrections shrink. Returns the smallest correction.
 Correction refine(const Eigen::SparseLU<Eigen::SparseMatrix<double>>& lu, const ExportedSystem& s,
                   const Eigen::VectorXd& b, VecX<Quad>& x) {
   x.setZero(s.size());
@@ -92,8 +89,7 @@ ExactSolution solve_densely(const ExportedSystem& s, const Eigen::MatrixXd& b) {
 }  // namespace
 
 ExactSolution solve_exactly(const ExportedSystem& s, const Eigen::MatrixXd& b) {
-  // Eigen's LU would divide by the size
-  if (s.size() == 0) return {MatX<Quad>(0, b.cols()), kMostDigits};
+  if (s.size() == 0) return {MatX<Quad>(0, b.cols()), kMostDigits};  // Eigen's LU would divide by the size
   Eigen::SparseLU<Eigen::SparseMatrix<double>> lu;
   lu.compute(s.K);
   ExactSolution out{MatX<Quad>(s.size(), b.cols()), kMostDigits};

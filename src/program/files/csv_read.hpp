@@ -15,20 +15,16 @@ class CsvReader {
   /// not closed, or there is no column t.
   explicit CsvReader(const std::string& path);
 
-  /// Reads the next row. Returns false at the end. Throws InputError for a wrong number of cells, or if t does not
-  /// increase.
+  /// Reads the next row; false at the end. Throws InputError for a wrong number of cells, or if t does not increase.
   bool next();
-  // Time of the current row; -infinity before the first row [s].
-  double t() const { return t_; }
+  double t() const { return t_; }  // time of the current row [s]; -infinity before the first row
   /// Returns a cell of the current row. Throws InputError if it is not a finite number.
   double number(std::size_t column) const;
 
   const std::vector<std::string>& names() const { return names_; }
   bool has(const std::string& name) const { return column_.contains(name); }
-  /// Returns the index of the column `name`. Throws InputError if there is no such column.
-  std::size_t column(const std::string& name) const;
-  /// Throws InputError with the number of the last line that was read.
-  [[noreturn]] void fail(const std::string& message) const;
+  std::size_t column(const std::string& name) const;         // throws InputError if there is no column `name`
+  [[noreturn]] void fail(const std::string& message) const;  // adds the number of the last line that was read
 
  private:
   std::string path_;

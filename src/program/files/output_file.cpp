@@ -28,8 +28,7 @@ bool is_written_straight(const std::string& path) {
 
 OutputFile::OutputFile(std::string path, std::string option) : path_(std::move(path)), option_(std::move(option)) {
   setp(buffer_.data(), buffer_.data() + buffer_.size());
-  // Lets exceptions of write() pass through the stream's operators.
-  stream_.exceptions(std::ios::badbit);
+  stream_.exceptions(std::ios::badbit);  // lets exceptions of write() pass through the stream's operators
   if (is_standard_output(path_)) {
     std::cout.flush();  // earlier output of std::cout must precede that of this file
     file_ = dup(STDOUT_FILENO);
@@ -53,8 +52,7 @@ OutputFile::~OutputFile() {
   if (file_ >= 0) ::close(file_);
 }
 
-// Opens a temporary file in the folder of the target (symbolic links resolved). It gets the permissions of an existing
-// target.
+// Opens a temporary file in the folder of the target (links resolved), with the permissions of an existing target.
 void OutputFile::begin() {
   std::error_code error;
   const fs::path there = fs::canonical(path_, error);
@@ -72,8 +70,7 @@ void OutputFile::begin() {
   until_whole_ = std::make_unique<RemovedBySignals>(temporary_);
   const mode_t mask = umask(0);
   umask(mask);
-  // This fails on file systems without modes.
-  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);
+  (void)fchmod(file_, replaces ? old.st_mode & 0777 : 0666 & ~mask);  // fails on file systems without modes
 }
 
 void OutputFile::refuse(int error) const {

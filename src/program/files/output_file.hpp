@@ -12,8 +12,7 @@ namespace manycontact::cli {
 
 /// Returns whether a path is "-", /dev/stdout or another name of descriptor 1.
 bool is_standard_output(const std::string& path);
-/// Returns whether a path is written without a temporary file. That holds for standard output, devices, pipes, and
-/// folders (which cannot be opened for writing).
+/// Returns whether a path is written without a temporary file: standard output, a device, a pipe or a folder.
 bool is_written_straight(const std::string& path);
 
 /// The output file of an option. It is written under a temporary name in the same folder, and renamed when it is
@@ -21,12 +20,10 @@ bool is_written_straight(const std::string& path);
 /// throw InputError if the file cannot be written.
 class OutputFile : private std::streambuf {
  public:
-  /// option: the name of the option for error messages, or "" if there is none.
-  explicit OutputFile(std::string path, std::string option = "");
+  explicit OutputFile(std::string path, std::string option = "");  // option: its name for errors, or ""
   /// Opens the temporary file that another process has created and will publish.
   OutputFile(std::string path, std::string option, std::string temporary);
-  /// Removes the temporary file unless it was published.
-  ~OutputFile() override;
+  ~OutputFile() override;  // removes the temporary file unless it was published
   OutputFile(const OutputFile&) = delete;
 
   const std::string& path() const { return path_; }
@@ -39,10 +36,8 @@ class OutputFile : private std::streambuf {
   void write_at(std::int64_t at, const char* bytes, std::size_t size);
   void resize(std::int64_t bytes);
 
-  /// Writes all buffered bytes of this process to the file system, and closes the file.
-  void finish();
-  /// Renames the file to its final name. Only the process that created it calls this, after all processes have
-  /// finished.
+  void finish();  // writes all buffered bytes of this process to the file system, and closes the file
+  /// Renames the file to its final name. Only the process that created it calls this, after all have finished.
   void publish();
   void close() { finish(), publish(); }
 

@@ -16,8 +16,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Exit status of a script that cannot write a file; the script then prints the file's name and the reason.
-constexpr int kCannotWrite = 3;
+constexpr int kCannotWrite = 3;  // exit status of a script that cannot write a file and prints its name and the reason
 
 }  // namespace
 

@@ -6,8 +6,7 @@
 
 namespace manycontact::cli {
 
-/// The first python3 in PATH that has matplotlib, or, if none has it, the first python3.
-struct Python {
+struct Python {      // the first python3 in PATH that has matplotlib, or, if none has it, the first python3
   std::string path;  // empty if there is no python3
   bool draws = false;
 };

@@ -22,8 +22,7 @@ std::string normal_of(const Contact& contact) {
   return contact.type == ContactType::k6D ? "A's z" : "world z";
 }
 
-// The largest position and velocity errors of a contact and its copies.
-struct Off {
+struct Off {  // the largest position and velocity errors of a contact and its copies
   double position = 0, angle = 0, linear = 0, angular = 0;
 };
 

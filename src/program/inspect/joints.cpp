@@ -15,8 +15,7 @@ const char* type_name(const Joint& joint) {
   return kNames[static_cast<int>(joint.type)];
 }
 
-// Returns limit k as text, or "" if the file has no such limit.
-std::string bound(const Eigen::VectorXd& limits, int k) {
+std::string bound(const Eigen::VectorXd& limits, int k) {  // limit k as text, or "" if there is none
   return limits.size() > k && std::isfinite(limits[k]) ? number(limits[k], 4) : "";
 }
 

@@ -21,8 +21,7 @@ Json pattern_of(const KktPattern& p) {
           {"L", {{"begin", p.ldl.Lp}, {"rows", p.ldl.Li}}}};
 }
 
-// Returns the indices in the scene of the rows of an island's K: velocities of the robots, then rows of active
-// contacts.
+// Returns the scene's indices of the rows of an island's K: velocities of the robots, then rows of active contacts.
 std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const Island& island) {
   Places places(scene, data.f_offset, island);
   for (const int f : places.f) places.v.push_back(scene.nv + f);

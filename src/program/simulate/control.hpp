@@ -11,8 +11,7 @@ namespace manycontact::cli {
 /// Numbers over time from a CSV file with a column t in ascending order and columns called `prefix` + coordinate name.
 class TimeTable {
  public:
-  /// Reads the columns `prefix` + name, and ignores columns with other prefixes. Throws InputError, also if a name is
-  /// not in `names`.
+  /// Reads columns `prefix` + name, and ignores other prefixes. Throws InputError, also if a name is not in `names`.
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
@@ -38,14 +37,13 @@ class Control {
   /// the first row, and to joints without a column.
   void read_torques(const std::string& path);
   /// Sets a PD law towards the columns "q:r0/knee" and "v:r0/knee" of the file `reference`, interpolated between rows.
-  /// Without a v: column, the velocity is the slope of q:. Without both columns, the reference is the scene's q at
-  /// rest. gains: "kp kd; r0/knee kp kd; ...", where the first pair is for all other joints. Throws UsageError, and
-  /// InputError for actuated multi-coordinate joints.
+  /// Without a v: column, the velocity is the slope of q:. Without both, the reference is the scene's q at rest. gains:
+  /// "kp kd; r0/knee kp kd; ...", where the first pair is for all other joints. Throws UsageError, and InputError for
+  /// actuated multi-coordinate joints.
   void follow(const std::string& gains, const std::optional<std::string>& reference);
 
   const Eigen::VectorXd& torques_at(double t);
-  /// Sets pd.q_ref and pd.v_ref to the reference at time t.
-  void set_pd(double t, PdLaws& pd);
+  void set_pd(double t, PdLaws& pd);  // sets pd.q_ref and pd.v_ref to the reference at time t
   /// Returns the torques of torques_at plus those of the PD law at q, v.
   const Eigen::VectorXd& at(double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v);
 

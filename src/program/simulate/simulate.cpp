@@ -26,8 +26,7 @@ constexpr double kMostSteps = 1e9;
 const std::string kInterrupted = "interrupted";
 constexpr int kConditionEvery = 10;  // steps between estimates of the condition number
 
-// The options of the command line, and the results of the run.
-struct Run {
+struct Run {  // the options of the command line, and the results of the run
   Integrator integrator = Integrator::kSemiImplicitEuler;
   double h = 0;
   long steps = 0;
@@ -37,10 +36,9 @@ struct Run {
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  // The spring or joint with the shortest largest step at the start.
-  SpringStep shortest;
-  Findings at_start;  // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
-                      // ended the run
+  SpringStep shortest;  // the spring or joint with the shortest largest step at the start
+  Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
+                        // ended the run
   std::optional<Recording> view;
 };
 
@@ -69,8 +67,7 @@ Run run_of(const Arguments& arguments) {
   return run;
 }
 
-// The inputs and observers of a simulation.
-struct Around {
+struct Around {  // the inputs and observers of a simulation
   Control control;
   Watch watch;
   std::optional<Switches> switches;

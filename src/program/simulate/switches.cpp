@@ -86,8 +86,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
     for (int c = event.first; c < event.first + event.count; ++c) {
       active[c] = event.what != Event::kOff;
       on[c] = event.what == Event::kOn;
-      // A contact that was active closes again, with an impact.
-      sim.dynamics.active[c] = false;
+      sim.dynamics.active[c] = false;  // a contact that was active closes again, with an impact
       if (event.what == Event::kHere) resolve_reference(scene, sim.q, true, true, scene.contacts[c]);
     }
   }

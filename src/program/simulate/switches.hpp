@@ -17,18 +17,15 @@ class Switches {
   struct Event {
     double t = 0;
     std::string contact;
-    // Index of the first contact, and number of contacts.
-    int first = 0, count = 1;
+    int first = 0, count = 1;  // index of the first contact, and number of contacts
     enum What { kOff, kOn, kHere } what = kOff;
   };
 
-  /// An impact of contacts that closed, with the change of velocity.
-  struct ImpactEvent {
+  struct ImpactEvent {  // an impact of contacts that closed, with the change of velocity
     double t = 0;
     std::string contacts;
     VelocityJump jump;
-    // Placement errors of the contacts that `on` closed.
-    std::vector<PlacementError> away;
+    std::vector<PlacementError> away;  // placement errors of the contacts that `on` closed
   };
   const std::vector<ImpactEvent>& blows() const { return blows_; }
 

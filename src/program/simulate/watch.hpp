@@ -28,11 +28,8 @@ class Watch {
   const std::string& nearly_dependent() const { return near_dependent_; }
   void lost(double energy) { work_ -= energy; }  // energy: dissipated by an impact
 
-  // Work of the torques, minus the energy that impacts dissipated [J].
-  double work() const { return work_; }
-  // Work of external wrenches [J].
-  double work_of_wrenches() const { return push_work_; }
-  /// Prints the findings. Copies of a robot or a contact share a line.
+  double work() const { return work_; }                   // work of torques, minus energy that impacts dissipated [J]
+  double work_of_wrenches() const { return push_work_; }  // work of external wrenches [J]
   void print(std::ostream& out, const SceneFile& file, const SimulationData& sim, const Invariants& start,
              const Invariants& end, double most_kinetic) const;
   /// Adds the keys violations, limits_passed and turning_rows, whose items have first_time [s]. Also adds work [J],
@@ -53,20 +50,17 @@ class Watch {
   void print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
 
-  // Computes the power of external wrenches and dampers [W], with the wrenches of `sim`.
-  struct Applied;
+  struct Applied;  // computes the power of external wrenches and dampers [W], with the wrenches of `sim`
   std::unique_ptr<Applied> applied_;  // null if there are no wrenches and dampers
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;
-  // Least ratio of the smallest to the largest singular value, and its time.
-  double least_share_ = 1, share_time_ = 0;
+  double least_share_ = 1, share_time_ = 0;  // least ratio of the smallest to the largest singular value, and its time
   // First time at which the least singular value is near zero, relative to the largest, or -1.
   double singular_time_ = -1;
   double first_condition_ = 0, largest_condition_ = 0, condition_time_ = 0;
   int most_rank_ = -1;
-  // First time at which independent rows became dependent, or -1.
-  double rank_time_ = -1;
+  double rank_time_ = -1;  // first time at which independent rows became dependent, or -1
   std::vector<char> active_;
   std::set<std::vector<char>> judged_;  // sets of active contacts that were seen
   std::string near_dependent_;          // the text of nearly_dependent()

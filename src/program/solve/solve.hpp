@@ -10,20 +10,16 @@
 
 namespace manycontact::cli {
 
-/// Median times [us].
-struct Times {
-  // Time of the symbolic analysis of every shape of island, with empty caches.
-  double symbolic = 0;
-  // Time to construct the SceneData, including memory, islands, and symbolic analysis.
-  double setup = 0;
+struct Times {          // medians [us]
+  double symbolic = 0;  // symbolic analysis of every shape of island, with empty caches
+  double setup = 0;     // construction of SceneData: memory, islands, symbolic analysis
   double solve = 0;
   double derivatives = 0;  // 0 unless derivatives were requested
 };
 
 struct SolvedScene {
   const SceneFile& file;
-  // Solved, with condition and errors estimated.
-  SceneData data;
+  SceneData data;  // solved, with condition and errors estimated
   Times time;
   int repeat = 1;
   std::optional<Eigen::VectorXd> quasi_static_u;
@@ -32,16 +28,14 @@ struct SolvedScene {
   std::vector<SystemQuality> quality = {};               // one entry per island, or empty
   Findings findings = {};
   std::vector<Unbalanced> unbalanced = {};  // robots that quasi_static_u does not keep at rest
-  // Result of unique_forces, one entry per row of data.f; empty if not requested.
-  std::vector<char> unique = {};
-  bool compare = false;  // whether to compare with the dense reference solver even if it is slow
+  std::vector<char> unique = {};  // result of unique_forces, one entry per row of data.f; empty if not requested
+  bool compare = false;           // whether to compare with the dense reference solver even if it is slow
 };
 
 /// Solves the scene, and measures set-up, analysis, solve and, if requested, derivatives `repeat` times each. Solve and
 /// derivatives run once before, to warm up.
 SolvedScene solve_scene(const SceneFile& file, const Options& options, int repeat, bool derivatives = false);
 
-/// Writes the JSON document to `path`. "-" is standard output. Throws InputError if it cannot be written.
 void write_json(const SolvedScene& solved, const std::string& path);
 
 void print_summary(std::ostream& out, const SolvedScene& solved);

@@ -38,8 +38,7 @@ std::string status_in_words(const Report& report, double damping) {
   return "";
 }
 
-// Islands with equal results, which share a line of the summary.
-struct Alike {
+struct Alike {  // islands with equal results, which share a line of the summary
   std::vector<const Island*> islands;
   std::size_t number;   // number of the first island
   IslandReport report;  // report of the first island, with the largest residuals, condition and errors of all
@@ -92,8 +91,7 @@ std::string dependent_rows(const SolvedScene& s, const IslandReport& r) {
   return text + (r.dependent_rows.size() == 1 ? " follows" : " follow") + " from the other rows";
 }
 
-// Returns the error bounds in words, such as "at most 1.2e-13 of the largest acceleration, forces are rounding errors",
-// or "" if there is no bound.
+// Returns the error bounds as text, such as "at most 1.2e-13 of the largest acceleration", or "" if there is none.
 std::string errors_in_words(const IslandReport& r) {
   const Rounding rounding = find_rounding(r);
   const auto words = [](bool is_rounding, double error, const std::string& one, const std::string& many) {

@@ -86,8 +86,7 @@ void print_total(std::ostream& out, const SolvedScene& s) {
 
 bool nothing_accelerates(const Report& report) {
   if (report.status == Status::kInconsistent)
-    // Accelerations of inconsistent islands are never rounding errors.
-    return false;
+    return false;  // accelerations of inconsistent islands are never rounding errors
   return std::ranges::all_of(report.islands,
                              [](const IslandReport& r) { return r.nv == 0 || find_rounding(r).acceleration; });
 }

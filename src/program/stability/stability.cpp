@@ -32,8 +32,7 @@ struct EnergyRow {
   double drift;  // constraint violation of positions at this step [m, rad]
 };
 
-// One run of the energy chart.
-struct EnergyRun {
+struct EnergyRun {  // one run of the energy chart
   Integrator integrator;
   std::string gains;
   double h;
@@ -138,7 +137,6 @@ double total_work(const Plan& plan) {
   return work + 2.0 * 5 * static_cast<double>(plan.energy_steps);
 }
 
-// Simulates all runs, and writes drift.csv and energy.csv.
 std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, const Plan& plan,
                                const fs::path& folder) {
   const std::vector<GainsChoice> choices = gains_choices();
@@ -172,7 +170,6 @@ std::vector<EnergyRun> measure(const SceneFile& file, const Options& options, co
   return out;
 }
 
-// Writes the data that the charts need in addition to the CSV files.
 void write_json(const std::string& scene, const Plan& plan, const std::vector<EnergyRun>& energy,
                 const fs::path& path) {
   Json runs = Json::array();

@@ -18,8 +18,7 @@ std::string name_of(const Scene& scene, const Attachment& at) {
   return robot.name + "/" + (at.frame.empty() ? robot.model->joints[at.joint].name : at.frame);
 }
 
-// External wrenches and springs at q and v of the scene file.
-struct At {
+struct At {  // external wrenches and springs at q and v of the scene file
   const Scene& scene;
   AppliedForces<double> forces;
 

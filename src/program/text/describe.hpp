@@ -6,10 +6,8 @@
 
 namespace manycontact::cli {
 
-/// Returns the name of a robot, such as "humanoid", or "herd x64" for copies.
-std::string group_name(const RobotGroup& group);
-/// Returns the counts of joint types, such as "1 floating, 32 revolute".
-std::string joint_types(const Model& model);
+std::string group_name(const RobotGroup& group);  // such as "humanoid", or "herd x64" for copies
+std::string joint_types(const Model& model);  // returns the counts of joint types, such as "1 floating, 32 revolute"
 /// Returns names of robots such as "a, b, beam". All copies of a group have one name, such as "ring x16".
 std::string robot_names(const SceneFile& file, const std::vector<int>& robots);
 /// Returns the names of the robots of several islands as robot_names does, such as "herd0 .. herd63".
@@ -23,8 +21,7 @@ std::size_t count_islands(const Scene& scene, const SceneData& data);
 
 /// Prints the heading of `solve` and `inspect`, which contains name, path, gravity, damping and sizes.
 void print_heading(std::ostream& out, const SceneFile& file, const SceneData& data);
-/// Prints for each robot the links that were merged or locked when the files were read.
-void print_notes(std::ostream& out, const SceneFile& file);
+void print_notes(std::ostream& out, const SceneFile& file);  // prints links that were merged or locked, per robot
 /// Prints points, lengths and forces of external wrenches and springs at the file's q and v, if there are any.
 void print_applied_forces(std::ostream& out, const SceneFile& file);
 

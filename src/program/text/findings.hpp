@@ -32,11 +32,9 @@ struct Findings {
   std::vector<RankChange> rank_changes;
   std::vector<TurningRows> turning;
   std::vector<NearlyDependent> near_dependent;
-  // Names of all velocity coordinates; empty if there are no rank_changes.
-  std::vector<std::string> velocity_names;
-  std::vector<std::string> close_rows;  // descriptions of islands whose rank decision is not reliable
-  // Smallest gap of all islands; infinite if unknown.
-  double rank_gap = std::numeric_limits<double>::infinity();
+  std::vector<std::string> velocity_names;  // names of all velocity coordinates; empty if there are no rank_changes
+  std::vector<std::string> close_rows;      // descriptions of islands whose rank decision is not reliable
+  double rank_gap = std::numeric_limits<double>::infinity();  // smallest gap of all islands; infinite if unknown
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&
@@ -50,8 +48,7 @@ Findings find(const SceneFile& file, const SceneData& data);
 /// Adds near_dependent, close_rows and rank_gap of a solution at q. Rows that were added before are not repeated.
 void find_near_dependent(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data, Findings& to);
 
-/// Returns a text such as "r0/knee: position 3.2, beyond 2.5".
-std::string in_words(const Scene& scene, const LimitPassed& limit);
+std::string in_words(const Scene& scene, const LimitPassed& limit);  // such as "r0/knee: position 3.2, beyond 2.5"
 /// Returns a text such as "left slips by 30 N more than mu 0.6 allows; mu 0.82 would be sufficient".
 std::string in_words(const Scene& scene, const Violation& violation);
 
@@ -65,11 +62,9 @@ std::string in_words(const Scene& scene, const std::vector<std::string>& velocit
 /// Prints "To look at" with a line per kind of finding, the worst kind first, or nothing if there are no findings.
 void print_findings(std::ostream& out, const Scene& scene, const Findings& findings);
 
-/// Returns an object such as {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}. If the contact slips, the
-/// object also has "needs_mu".
+/// Returns an object such as {"contact": "left", "kind": "slips", "by": 30, "unit": "N"}, with "needs_mu" if it slips.
 Json json_of(const Scene& scene, const Violation& violation);
-/// Returns an object such as {"contact": "left", "rate": 2.3}.
-Json json_of(const Scene& scene, const TurningRows& rows);
+Json json_of(const Scene& scene, const TurningRows& rows);  // such as {"contact": "left", "rate": 2.3}
 /// Returns an object such as {"joint": "r0/knee", "quantity": "position", "value": 3.2, "limit": 2.5}.
 Json json_of(const Scene& scene, const LimitPassed& limit);
 /// Adds the keys violations, placement_errors, velocity_errors, limits_passed, contradictions, massless_joints,

@@ -12,14 +12,12 @@ namespace manycontact::cli {
 inline constexpr int kLineWidth = 100;
 
 using text::number;
-/// Formats `x` with an exponent, such as "3.5e+05".
-std::string scientific(double x);
+std::string scientific(double x);  // formats `x` with an exponent, such as "3.5e+05"
 /// Formats `x` with `decimals` decimals, never as "-0.00". Numbers that would be too long are formatted by number().
 std::string decimal(double x, int decimals = 2);
 using text::count;
 using text::join;
-/// Replaces control characters, so that no name can disturb the terminal.
-std::string printable(std::string text);
+std::string printable(std::string text);  // replaces control characters, so that no name can disturb the terminal
 
 /// Shortens texts to `widest` characters, or a little more to keep them distinct, by leaving out their middles.
 std::vector<std::string> shortened(const std::vector<std::string>& texts, int widest);
@@ -37,8 +35,7 @@ class Table {
   /// is the width to which cells are shortened. Only `most` rows are printed, and then the number of other rows, as
   /// `what`.
   explicit Table(const std::string& columns, std::size_t most = std::string::npos, const std::string& what = "");
-  /// Adds a row; missing cells are empty.
-  void add(std::vector<std::string> cells);
+  void add(std::vector<std::string> cells);  // adds a row; missing cells are empty
   bool empty() const { return rows_.empty(); }
   /// Prints the titles, unless all are empty, and the rows. Leaves out columns whose cells are all empty.
   void print(std::ostream& out, int indent = 2) const;

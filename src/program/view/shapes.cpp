@@ -26,15 +26,13 @@ Json json_of(const SE3<double>& at) {
   return list;
 }
 
-// The meshes of a scene, each once.
-struct Meshes {
+struct Meshes {  // the meshes of a scene, each once
   Json list = Json::array();
   std::map<std::string, int> index;  // key: path; value: position in `list`, or -1 if the mesh cannot be read
   std::set<std::string> lost;        // names of missing meshes as in the URDF, and the reasons
 };
 
-// Returns the position of a mesh in the list, or -1 if it cannot be read.
-int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {
+int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes) {  // -1: the mesh cannot be read
   const std::string path = find_mesh(urdf, name);
   if (path.empty()) {
     meshes.lost.insert(name + " (not found)");
@@ -79,8 +77,7 @@ double reach_of(const Model& model) {
   return longest;
 }
 
-// Returns the end of a leaf body: its farthest frame, or twice the centre of mass if all frames are nearer than this
-// centre.
+// Returns the end of a leaf body: its farthest frame, or twice the centre of mass if all frames are nearer than that.
 Vec3<double> tip_of(const Model& model, int joint) {
   const Inertia<double>& Y = model.joints[joint].inertia;
   const Vec3<double> centre = Y.m > 0 ? Vec3<double>(Y.h / Y.m) : Vec3<double>::Zero();

@@ -11,8 +11,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Permitted error of a quaternion's norm, because tables may have few digits.
-constexpr double kUnitLength = 1e-3;
+constexpr double kUnitLength = 1e-3;  // permitted error of a quaternion's norm; tables may have few digits
 
 using Columns = std::vector<std::size_t>;
 
@@ -28,8 +27,7 @@ Eigen::VectorXd numbers(const CsvReader& row, const Columns& list) {
   return out;
 }
 
-// Reads the forces of states from a separate file.
-class Forces {
+class Forces {  // reads the forces of states from a separate file
  public:
   Forces(const std::string& path, const Scene& scene) : row_(path) {
     for (const Contact& contact : scene.contacts) {
@@ -52,8 +50,7 @@ class Forces {
     }
     more_ = row_.next();
   }
-  /// Throws InputError if the file has rows after the last state.
-  void finish() const {
+  void finish() const {  // throws InputError if rows after the last state remain
     if (more_) refuse();
   }
 
@@ -79,8 +76,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  // The initial flags are those of the scene.
-  const std::vector<char> active = recording.dynamics.active;
+  const std::vector<char> active = recording.dynamics.active;  // the scene's flags, which are the initial ones
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);

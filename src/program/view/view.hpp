@@ -17,22 +17,18 @@ struct ViewState {
   std::vector<char> active;                                 // one flag per contact
   std::optional<Eigen::VectorXd> u = {};                    // torques of this state
   std::optional<std::vector<Eigen::VectorXd>> forces = {};  // one entry per contact, in its reference frame
-  // Constraint violations of position and velocity; computed if not given.
-  std::optional<Eigen::Vector2d> drift = {};
-  // External wrenches; those of the scene if not given.
-  std::optional<std::vector<Vec6<double>>> wrenches = {};
+  std::optional<Eigen::Vector2d> drift = {};  // constraint violations of position and velocity; computed if not given
+  std::optional<std::vector<Vec6<double>>> wrenches = {};  // external wrenches; those of the scene if not given
 };
 
-/// The data that the page draws, with one entry per frame.
-struct Recording {
+struct Recording {  // the data that the page draws, with one entry per frame
   /// Records at most `rate` frames per second. `scene` must outlive the recording. Throws std::runtime_error if the
   /// program was built without the page's parts.
   explicit Recording(const Scene& scene, double rate = 50);
 
   const Scene* scene;
   double rate;
-  // One entry per contact: mu of the friction cone that is drawn, or 0 for no cone.
-  std::vector<double> friction;
+  std::vector<double> friction;  // one entry per contact: mu of the friction cone that is drawn, or 0 for no cone
 
   // These members have entries for each frame.
   std::vector<double> t;                                      // s
@@ -45,9 +41,8 @@ struct Recording {
                                                               // normal, the force on A [N], NaN: unknown
   std::vector<float> held;                                    // 6 per contact: origins of B' and of the frame that B
                                                               // is attached to, in the world [m]
-  // wrenches: 6 per external wrench (point of application, force); springs: 6 per spring (its ends)
-  std::vector<float> wrenches, springs;
-  std::vector<std::uint8_t> flags;  // one per contact: kActive | kRedundant | kShared
+  std::vector<float> wrenches, springs;  // 6 per wrench: point of application, force; 6 per spring: its ends
+  std::vector<std::uint8_t> flags;       // one per contact: kActive | kRedundant | kShared
   static constexpr std::uint8_t kActive = 1, kRedundant = 2, kShared = 4;
 
   // workspace

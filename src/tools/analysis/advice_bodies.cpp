@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kNegligible = 1e-9;  // smaller accelerations, relative to the scene's largest or gravity, are zero
 
-/// The bodies that contacts and springs act on, and the acceleration that counts as zero.
 struct State {
   std::vector<std::vector<char>> touched;  // one flag per robot and joint: whether a contact or spring acts on its body
   std::vector<char> robot_touched;

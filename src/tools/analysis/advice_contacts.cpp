@@ -18,8 +18,7 @@ std::string and_more(std::size_t more, const std::string& what) {
   return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }
 
-// The islands of one kind, represented by the first island of the kind.
-struct Subject {
+struct Subject {  // the islands of one kind, represented by the first island of the kind
   const Scene& scene;
   const Island& island;
   const IslandKind& kind;
@@ -32,7 +31,6 @@ bool any_only_just(const IslandRanks& ranks, const std::vector<int>& contacts) {
   });
 }
 
-// Adds advice that names the redundant rows of an island, and the rows that remain.
 void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   const IslandRanks& ranks = x.kind.ranks;
   if (!ranks.known || ranks.rank == x.island.nc) return;
@@ -56,10 +54,9 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
   advice.push_back(text);
 }
 
-// A contact that could replace all contacts between two bodies.
-struct Replacement {
-  std::string text;  // the advice; empty if there is none
-  int rows = -1;     // number of rows; -1: no single contact type replaces them
+struct Replacement {  // a contact that could replace all contacts between two bodies
+  std::string text;   // the advice; empty if there is none
+  int rows = -1;      // number of rows; -1: no single contact type replaces them
 };
 
 Replacement replacement(const Scene& scene, const BodyPair& p) {

@@ -11,14 +11,12 @@
 
 namespace manycontact::internal {
 
-/// Returns one flag per contact: whether it is active in the solution `data`.
 inline std::vector<char> active_of(const SceneData& data) {
   std::vector<char> active;
   for (const int first : data.f_offset) active.push_back(first >= 0);
   return active;
 }
 
-/// Calls act(row) for each row of f that belongs to the island.
 template <class Act>
 void each_row(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
   for (const int c : solved_island(data, island).contacts)
@@ -29,8 +27,7 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Returns a bound of the change that errors of J cause in an island's vector n with J^T n = 0. `change` is the result
-/// of AtRest::change_of_null.
+/// Returns a bound of the change that errors of J cause in an island's n, J^T n = 0. change: AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -40,7 +37,6 @@ inline double change_in(const Scene& scene, const SceneData& data, std::size_t i
   });
   return most * sum;
 }
-/// Calls act(i) for each velocity coordinate i of the island's robots.
 template <class Act>
 void each_coordinate(const Scene& scene, const SceneData& data, std::size_t island, Act&& act) {
   for (const int r : solved_island(data, island).robots)
@@ -69,8 +65,7 @@ class AtRest {
     return of_contacts(q, nullptr,
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
   }
-  /// Returns J v.
-  Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
+  Eigen::VectorXd velocities(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {  // J v
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
@@ -133,8 +128,7 @@ class AtRest {
     scene.gravity.setZero();
     drop_applied_forces(scene);
     scene.damping = 0;
-    // a0 at rest is then the placement error
-    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;
+    for (Contact& contact : scene.contacts) contact.alpha = 1, contact.beta = 0;  // a0 at rest: placement error
     return scene;
   }
   template <class Rows>

@@ -14,8 +14,7 @@ class NormalMatrix {
 
   /// Factorizes J_s J_s^T + mu 1, where J_s contains the columns j of J with counts[j] != 0.
   void factorize(const Eigen::SparseMatrix<double>& J, const std::vector<char>& counts, double mu);
-  /// Replaces y by (J J^T + mu 1)^-1 y.
-  void solve(Eigen::VectorXd& y);
+  void solve(Eigen::VectorXd& y);  // replaces y by (J J^T + mu 1)^-1 y
 
  private:
   std::vector<int> iperm_;

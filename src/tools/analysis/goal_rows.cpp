@@ -90,15 +90,13 @@ RigidBodies bodies_of(const Scene& scene, int robot) {
 
 }  // namespace
 
-// Appends the rows of one goal to the errors e_ and the Jacobian J_.
-struct GoalRows::Rows {
+struct GoalRows::Rows {  // appends the rows of one goal to the errors e_ and the Jacobian J_
   GoalRows& to;
   bool with_jacobian;
   double root;  // square root of the goal's weight
   GoalLeft left = {};
 
-  // Appends a row with the error e; returns the row's number.
-  int add(double e) {
+  int add(double e) {  // appends a row with the error e; returns the row's number
     to.e_.push_back(root * e);
     return static_cast<int>(to.e_.size()) - 1;
   }

@@ -18,8 +18,7 @@ class GoalRows {
   Eigen::VectorXd errors(const Eigen::VectorXd& q);
   /// Returns the Jacobian (rows x nv) at q of the last call of errors(). Its sparsity pattern is the same for all q.
   Eigen::SparseMatrix<double> jacobian();
-  /// Returns the remaining error of each goal, without weights, at the q of the last call of errors().
-  const std::vector<GoalLeft>& left() const { return left_; }
+  const std::vector<GoalLeft>& left() const { return left_; }  // remaining error of each goal, unweighted
 
  private:
   struct Rows;

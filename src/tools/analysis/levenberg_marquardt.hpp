@@ -41,10 +41,8 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-// kAside: step off a saddle [m, rad], and the relative decrease of |e| above which the search continues
-constexpr double kAside = 1e-3;
-// kReach: longest step of a search from near a saddle, where J is nearly singular [m, rad]
-constexpr double kReach = 1;
+constexpr double kAside = 1e-3;  // step off a saddle [m, rad]; |e| must decrease by this share to continue
+constexpr double kReach = 1;     // longest step of a search from near a saddle, where J is nearly singular [m, rad]
 
 /// Minimises |e|, and leaves saddles such as a straight knee. descend(q) moves q until |e| is stationary. As long as
 /// |e| decreases, descend is called again from aside(q), a point near q. size(q) returns |e|, or 0 if q is accepted.

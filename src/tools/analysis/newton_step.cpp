@@ -6,8 +6,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns the largest alpha <= most for which x + alpha p is within the bounds. Sets `stopped` to the coordinate that
-// reaches its bound, or to -1.
+// Returns the largest alpha <= most with x + alpha p within the bounds; `stopped`: coordinate at its bound, or -1.
 double way_to_limit(const Eigen::VectorXd& x, const Eigen::VectorXd& p, const Eigen::VectorXd& lower,
                     const Eigen::VectorXd& upper, double most, Eigen::Index& stopped) {
   stopped = -1;

@@ -13,8 +13,7 @@ namespace manycontact::internal {
 /// that reaches its limit remains there. A direction of negative curvature is followed up to a limit.
 class NewtonStep {
  public:
-  /// gradient(dq) returns J^T e at q (+) dq.
-  using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& dq)>;
+  using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& dq)>;  // gradient(dq) returns J^T e at q (+) dq
 
   explicit NewtonStep(const Eigen::SparseMatrix<double>& J) : normal_(J) {}
 

@@ -9,8 +9,7 @@
 
 namespace manycontact::internal {
 
-/// Limits of q (infinite if there are none). moved_by: per entry of q, the velocity coordinate that moves only it, or
-/// -1.
+/// Limits of q (infinite if none). moved_by: per entry of q, the velocity coordinate that moves only it, or -1.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
@@ -34,8 +33,7 @@ class PlaceSearch {
   int tries() const { return tries_; }
   /// Returns whether the last run ended because it reached the largest number of steps.
   bool out_of_steps() const { return out_of_steps_; }
-  /// Returns whether a goal depends on the robot's coordinates. Requires a run.
-  bool moves(int robot) const;
+  bool moves(int robot) const;  // Returns whether a goal depends on the robot's coordinates. Requires a run.
   std::vector<GoalLeft> left(const Eigen::VectorXd& q);
 
  private:

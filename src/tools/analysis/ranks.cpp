@@ -136,8 +136,7 @@ std::vector<Vec3<double>> points_on(const Scene& scene, const BodyPair& pair) {
   return points;
 }
 
-// Returns 0 if the points coincide, 1 if they are on a line, otherwise 2.
-int spread(const std::vector<Vec3<double>>& points) {
+int spread(const std::vector<Vec3<double>>& points) {  // 0: the points coincide; 1: they are on a line; 2: otherwise
   Vec3<double> direction = Vec3<double>::Zero();
   for (const Vec3<double>& p : points)
     if ((p - points[0]).norm() > direction.norm()) direction = p - points[0];
@@ -193,8 +192,7 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// Returns the contact type with the fewest rows that has the same rank at the same frame. least: smallest remainder of
-// an independent row.
+// Returns the contact type of equal rank with the fewest rows. least: smallest remainder of an independent row.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };

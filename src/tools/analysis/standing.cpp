@@ -50,8 +50,7 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
   return inside ? 0 : nearest;
 }
 
-// The contacts of a robot with the ground.
-struct Ground {
+struct Ground {        // the contacts of a robot with the ground
   bool told = true;    // whether the robot is supported only by contacts with the ground
   bool soles = false;  // whether there is a 6D contact without a box, whose area is unknown
   std::vector<Attachment> feet;

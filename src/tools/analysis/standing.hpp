@@ -7,8 +7,7 @@
 
 namespace manycontact::internal {
 
-/// A robot whose centre of mass is not above the area that its contacts enclose.
-struct Leaning {
+struct Leaning {  // a robot whose centre of mass is not above the area that its contacts enclose
   int robot = 0;
   double by = 0;  // horizontal distance of the centre of mass from that area [m]
   std::vector<Attachment> feet;

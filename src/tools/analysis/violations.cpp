@@ -36,8 +36,7 @@ class AxesOf {
   internal::MotionOf kin_;
 };
 
-// The normal and tangential force of a contact.
-struct Pressure {
+struct Pressure {  // the normal and tangential force of a contact
   double normal = 0, tangential = 0;
   Vec6<double> in_foot = Vec6<double>::Zero();  // 6D contacts: force and moment in A's axes
 };

@@ -6,8 +6,7 @@
 namespace manycontact::io {
 namespace {
 
-/// The content of a <contact> element. Copies of the contact share the data in `contact`.
-struct ContactElement {
+struct ContactElement {  // The content of a <contact> element. Copies of the contact share the data in `contact`.
   Contact contact;
   SE3<double> A_offset, B_offset;  // B_offset is in world axes if there is no `to`
   EndPair ends;

@@ -23,8 +23,7 @@ bool consistent(const Element& root) { return root.flag("consistent", false); }
 
 int restarts(const Element& root) { return root.has("restarts") ? root.count("restarts", 0, 1000000) : 0; }
 
-// Reads a scene file and the files it includes, each in place of its <include>.
-class IncludeReader {
+class IncludeReader {  // reads a scene file and the files it includes, each in place of its <include>
  public:
   explicit IncludeReader(SceneElements& out) : out_(out) {}
 
@@ -81,7 +80,6 @@ class IncludeReader {
     const std::string text = problem.empty() ? read_file(path, problem) : "";
     if (!problem.empty()) here.fail("the scene file " + quote(path) + " " + problem + ", expected a scene file");
     const Element root = read(path, text);
-    // scene-wide settings of an included file must equal the settings of the including file
     if (root.has("gravity") && gravity_of(root) != gravity_of(into))
       root.where("gravity").fail("gravity differs from the gravity of the including scene, expected equal values");
     for (const char* name : {"damping", "tolerance", "moment_length"})

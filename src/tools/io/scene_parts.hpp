@@ -14,8 +14,7 @@
 
 namespace manycontact::io {
 
-/// The elements of a scene file and of the files it includes, in reading order.
-struct SceneElements {
+struct SceneElements {  // the elements of a scene file and of the files it includes, in reading order
   std::vector<std::unique_ptr<XmlFile>> files;
   std::vector<Element> robots, contacts, wrenches, springs, poses;
 };
@@ -34,15 +33,13 @@ void add_or_fail(const Element& e, Add&& add) {
   }
 }
 
-/// The content of a <robot> element.
-struct RobotElement {
+struct RobotElement {  // the content of a <robot> element
   explicit RobotElement(const Element& e) : element(e) {}
 
   Element element;
   RobotGroup group;
   UrdfOptions options;
-  // Whether the element has u="gravity".
-  bool gravity_torques = false;
+  bool gravity_torques = false;           // whether the element has u="gravity"
   std::map<std::string, Element> joints;  // <joint> children by joint name
   std::map<std::string, Element> locks;   // <lock> children by joint name
 };
@@ -67,8 +64,7 @@ struct End {
   int count = 1;         // number of copies
   bool copied = false;   // whether the name refers to all copies
   bool shifted = false;  // whether the name has +k or -k
-  // The k of +k or -k: copy i of the other end is paired with copy i + k.
-  long long shift = 0;
+  long long shift = 0;   // the k of +k or -k: copy i of the other end is paired with copy i + k
   Frame frame;
 
   /// Returns the attachment to `frame` on the robot, displaced by `offset` in the frame's axes.
@@ -77,8 +73,7 @@ struct End {
   }
 };
 
-/// The two ends of a contact or a spring: A from the attribute `frame`, and B from `to` if it is given.
-struct EndPair {
+struct EndPair {  // the two ends of a contact or a spring: A from the attribute `frame`, and B from `to` if it is given
   End A, B;
   bool to_robot = false, wrap = false;
   /// Returns the robot of B that is paired with copy i of A, or nullopt if there is none.
@@ -90,12 +85,10 @@ class EndReader {
  public:
   explicit EndReader(const SceneFile& scene);
 
-  /// Reads the end that a required attribute names.
-  End read(const Element& e, const char* attribute);
+  End read(const Element& e, const char* attribute);  // reads the end that a required attribute names
   /// Reads the end that a required attribute names without +k or -k. The name of a copied robot refers to all copies.
   End read_first(const Element& e, const char* attribute);
-  /// Reads the attributes frame, to and wrap.
-  EndPair read_pair(const Element& e);
+  EndPair read_pair(const Element& e);  // reads the attributes frame, to and wrap
   /// Looks up the robot, or the group of copied robots, that an attribute names. The end's `frame` remains empty.
   End robot(const Element& e, const char* attribute, const std::string& name) const;
 
@@ -108,8 +101,7 @@ class EndReader {
   std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
 };
 
-/// Adds all contacts. out.q must be complete.
-void add_contacts(const std::vector<Element>& elements, SceneFile& out);
+void add_contacts(const std::vector<Element>& elements, SceneFile& out);  // Adds all contacts. out.q must be complete.
 
 /// Adds all external wrenches, springs between points and springs in joints. out.q must be complete.
 void add_wrenches(const std::vector<Element>& elements, SceneFile& out);

@@ -168,8 +168,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   q.head<3>() += translation;
 }
 
-// The scene's q, v, u, to which each added robot appends its own.
-struct Growing {
+struct Growing {  // the scene's q, v, u, to which each added robot appends its own
   std::vector<double> q, v, u;
   static void append(std::vector<double>& to, const Eigen::VectorXd& x) {
     to.insert(to.end(), x.data(), x.data() + x.size());

@@ -106,8 +106,7 @@ class StateReader {
     return base_given;
   }
 
-  // Normalises the quaternions of floating joints.
-  void normalise(Eigen::VectorXd& q) const {
+  void normalise(Eigen::VectorXd& q) const {  // quaternions of floating joints
     for (const Joint& j : model_.joints) {
       if (j.type != JointType::kFloating) continue;
       Where here = robot_.element.where();

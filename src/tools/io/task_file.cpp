@@ -75,8 +75,7 @@ void read_wrenches(const Element& e, const Scene& scene, TaskPhase& phase) {
   }
 }
 
-// Reads whether contacts close with an impact. At least one contact must close: be open in the phase `before` (null for
-// the first phase) and active in `phase`.
+// Reads `impact`, which requires a contact that is open in the phase `before` (null: none) and active in `phase`.
 void read_impact(const Element& e, const TaskPhase* before, TaskPhase& phase) {
   phase.impact = e.flag("impact", false);
   if (!phase.impact) return;

@@ -6,8 +6,7 @@
 
 namespace manycontact::io {
 
-/// Reads <cost> and <constraint> elements of a task on a scene.
-class TermReader {
+class TermReader {  // reads <cost> and <constraint> elements of a task on a scene
  public:
   explicit TermReader(const SceneFile& scene) : scene_(scene), ends_(scene) {}
 

@@ -12,10 +12,9 @@ namespace {
 
 struct Kind {
   const char* name;
-  // Lower-case name of the residual's class in module action, or null if it equals `name`.
-  const char* alias;
-  bool of_state;  // whether the residual depends only on the state, not on controls, accelerations or forces
-  int rows;       // number of rows, or 0 if it depends on the robot or the contact
+  const char* alias;  // lower-case name of the residual's class in module action, or null if it equals `name`
+  bool of_state;      // whether the residual depends only on the state, not on controls, accelerations or forces
+  int rows;           // number of rows, or 0 if it depends on the robot or the contact
   std::vector<const char*> attributes;
 };
 

@@ -10,8 +10,7 @@
 
 namespace manycontact::io {
 
-/// A position in a file, for error messages. The string `file` must outlive it.
-struct Where {
+struct Where {  // A position in a file, for error messages. The string `file` must outlive it.
   const std::string* file;
   int line;
   [[noreturn]] void fail(const std::string& message) const { throw InputError(*file, line, message); }
@@ -23,21 +22,17 @@ std::string read_file(const std::string& path, std::string& problem);
 /// Returns the content of a file. On failure throws InputError, whose message states that `what` was expected.
 std::string read_file_of(const std::string& path, const std::string& what);
 
-/// Returns why `path` cannot be opened for reading, or "". only_regular also refuses devices and pipes, which may be
-/// endless; it is for paths that are given in files.
+/// Returns why `path` cannot be read, or "". only_regular also refuses devices and pipes, which may be endless.
 std::string file_problem(const std::string& path, bool only_regular = false);
 
-/// Decodes the bytes of the file `path` according to its byte order mark or declaration: UTF-8 (the default), UTF-16,
-/// US-ASCII, ISO-8859-1, ISO-8859-15 or Windows-1252. Throws InputError, with the line, for other encodings, invalid
-/// bytes, and references such as &#0; or &#xD800; that denote no XML character. Keeps line breaks. Does not decode
-/// comments, which may contain any bytes.
+/// Decodes the bytes of the file `path` by its byte order mark or declaration: UTF-8 (the default), UTF-16, US-ASCII,
+/// ISO-8859-1, ISO-8859-15 or Windows-1252. Throws InputError, with the line, for other encodings, invalid bytes, and
+/// references such as &#xD800; to characters that XML forbids. Keeps line breaks. Does not decode comments.
 std::string decode_xml(const std::string& path, const std::string& bytes);
 
-/// Returns the shortest decimal number that reads back as x.
-std::string show(double x);
+std::string show(double x);  // returns the shortest decimal number that reads back as x
 
-/// Splits `text` at white space.
-std::vector<std::string_view> words(std::string_view text);
+std::vector<std::string_view> words(std::string_view text);  // splits `text` at white space
 
 /// Parses one finite number. what: the number's name in error messages.
 double parse_number(const Where& where, const std::string& what, std::string_view text);

@@ -97,8 +97,7 @@ void set_limits(Joint& out, const UrdfJoint& details = {}) {
   out.effort_limit = all(details.effort);
 }
 
-// The placement of a link's frame on the body of a joint. joint = -1 means the fixed base.
-struct Place {
+struct Place {  // The placement of a link's frame on the body of a joint. joint = -1 means the fixed base.
   int joint = -1;
   SE3<double> placement;
 };

@@ -76,8 +76,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Returns the bound that an attribute gives. If the bound is missing or not sound, returns `none` and adds the reason
-// to `told`.
+// Returns the bound of an attribute. If it is missing or not sound, returns `none` and adds the reason to `told`.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;

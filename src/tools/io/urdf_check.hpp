@@ -13,8 +13,7 @@
 
 namespace manycontact::io {
 
-/// The line of a joint, and attributes that urdfdom refuses if they are infinite or incomplete.
-struct UrdfJoint {
+struct UrdfJoint {  // the line of a joint, and attributes that urdfdom refuses if they are infinite or incomplete
   int line = 1;
   double lower = -std::numeric_limits<double>::infinity(), upper = std::numeric_limits<double>::infinity();
   double velocity = std::numeric_limits<double>::infinity(), effort = std::numeric_limits<double>::infinity();

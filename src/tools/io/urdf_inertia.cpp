@@ -10,8 +10,7 @@ namespace manycontact::io {
 
 namespace {
 
-// Formats a number with six digits.
-std::string brief(double x) {
+std::string brief(double x) {  // six digits
   char digits[40];
   return {digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 6).ptr};
 }

@@ -17,8 +17,7 @@ void keep(tinyxml2::XMLNode& node, const std::set<std::string>& wanted) {
   }
 }
 
-// Replaces white space between the numbers of attributes by single blanks. urdfdom fails on tabs, line breaks or
-// several blanks.
+// Puts single blanks between the numbers of attributes, because urdfdom fails on tabs, line breaks or several blanks.
 void tidy_numbers(tinyxml2::XMLElement& e) {
   std::vector<std::pair<std::string, std::string>> tidied;
   for (const auto* a = e.FirstAttribute(); a; a = a->Next()) {
@@ -83,8 +82,7 @@ std::string text_for_urdfdom(XmlFile& file) {
   for (auto* e = robot.FirstChildElement(); e; e = e->NextSiblingElement())
     std::strcmp(e->Value(), "link") == 0 ? tidy_link(*e) : tidy_joint(*e);
   tinyxml2::XMLPrinter printer(nullptr, true);
-  // The output omits the XML declaration, whose encoding would be wrong for this UTF-8 text.
-  robot.Accept(&printer);
+  robot.Accept(&printer);  // omits the XML declaration, whose encoding would be wrong for this UTF-8 text
   return printer.CStr();
 }
 

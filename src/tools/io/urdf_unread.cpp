@@ -1,5 +1,4 @@
-// Finds elements of a URDF that are not read. Many do not affect the motion (shapes, sensors, controllers). Elements
-// that affect the motion, or may affect it, are reported.
+// Reports elements of a URDF that are not read and may affect the motion, unlike shapes, sensors and controllers.
 
 #include <map>
 #include <set>
@@ -24,8 +23,7 @@ void each_inside(const Element& e, const Visit& visit) {
   }
 }
 
-// Combines findings of similar elements into one finding, reported at the first of these elements.
-class Unread {
+class Unread {  // combines findings of similar elements into one finding, reported at the first of these elements
  public:
   explicit Unread(std::vector<Finding>& findings) : findings_(findings) {}
 
@@ -79,8 +77,7 @@ void look_into_gazebo(const Element& gazebo, Unread& unread) {
   each_inside(gazebo, [&](const Element& e) {
     const std::string name = local_name(e.name());
     if (name == "joint" && e.has("type"))
-      // <joint> of SDF, which closes a loop
-      tell_constraint(e, unread);
+      tell_constraint(e, unread);  // <joint> of SDF, which closes a loop
     else if (name == "springStiffness" || name == "spring_stiffness" || name == "springReference")
       unread.count(e, name_of(gazebo), "<" + e.name() + ">", ": the joint is modelled without a spring");
   });

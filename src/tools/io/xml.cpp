@@ -45,8 +45,7 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
                                                            {"iterations", " maxiter "},
                                                            {"tolerance", " tol "}};
 
-// Returns the known attribute that `name` means: its name in another format, or its beginning ("quat" for "quat_xyzw").
-// Returns null if there is none.
+// Returns the known attribute that `name` means, or null. `name` is its name in another format, or its beginning.
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;

@@ -15,8 +15,7 @@
 
 namespace manycontact::io {
 
-/// A view of one XML element. Its XmlFile must outlive it.
-class Element {
+class Element {  // A view of one XML element. Its XmlFile must outlive it.
  public:
   Element(const std::string& file, const tinyxml2::XMLElement& element) : file_(&file), element_(&element) {}
 
@@ -44,8 +43,7 @@ class Element {
 
   bool has(const char* attribute) const { return element_->Attribute(attribute) != nullptr; }
   std::vector<std::string> attributes() const;
-  /// Returns the text of an attribute. Throws InputError if it is missing.
-  std::string required(const char* attribute) const;
+  std::string required(const char* attribute) const;  // throws InputError if it is missing
   /// Returns the text of an attribute. Throws InputError if it is missing or empty. what: expected content.
   std::string not_empty(const char* attribute, const char* what = "a name") const;
   std::string optional(const char* attribute, const std::string& otherwise) const;
@@ -58,8 +56,7 @@ class Element {
   double number_from_0(const char* attribute, double otherwise) const;
   /// Returns a number above 0. The attribute is required unless `otherwise` is given. what: expected content.
   double positive(const char* attribute, std::optional<double> otherwise = {}, const char* what = "a number") const;
-  /// Returns a required whole number from `least` to `most`.
-  int count(const char* attribute, int least, int most) const;
+  int count(const char* attribute, int least, int most) const;  // a required whole number from `least` to `most`
   double required_number(const char* attribute) const;
   /// Returns a number or an infinity ("-Inf", "1e999"), as limits may have, or `otherwise` if the attribute is missing.
   double number_or_infinity(const char* attribute, double otherwise) const;
@@ -83,15 +80,13 @@ class Element {
   void read(const char* attribute, std::optional<Eigen::Matrix<double, n, 1>>& out) const {
     if (has(attribute)) (void)read(attribute, out.emplace(Eigen::Matrix<double, n, 1>::Zero()));
   }
-  /// Returns the text inside the element, without comments. Throws InputError if there are elements inside.
-  std::string text() const;
+  std::string text() const;  // text inside the element without comments; throws InputError if there are elements inside
 
   /// child returns the first child element called `name`, and children all of them. nullptr means any name.
   std::optional<Element> child(const char* name = nullptr) const;
   std::vector<Element> children(const char* name = nullptr) const;
 
-  /// Returns "attribute of <name>" for messages.
-  std::string label(const char* attribute) const;
+  std::string label(const char* attribute) const;  // returns "attribute of <name>" for messages
 
  private:
   const std::string* file_;

@@ -98,8 +98,7 @@ bool is_xml_character(std::uint32_t c) {
          (c >= 0x10000 && c < 0x110000);
 }
 
-// A UTF-8 character and its length in bytes. The length is 0 if the bytes are not a valid character.
-struct Decoded {
+struct Decoded {  // A UTF-8 character and its length in bytes. The length is 0 if the bytes are not a valid character.
   std::uint32_t character = 0;
   std::size_t length = 0;
 };
@@ -115,8 +114,7 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  // Least code point of a character of each length in bytes.
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point per length in bytes
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
@@ -175,8 +173,7 @@ class Characters {
     at_ += count;
   }
 
-  // Skips a section that begins at the current position and does not check its references. checks: whether its
-  // characters are checked.
+  // Skips a section at the current position. Checks its characters if `checks`, but not its references.
   bool section(std::string_view begin, std::string_view end, bool checks) {
     if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());

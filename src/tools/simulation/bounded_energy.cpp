@@ -32,7 +32,6 @@ constexpr double kRounding = 1e-9;  // rounding errors relative to the energy of
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
-// Finds the clusters that are fixed to the world.
 void find_tied(const Scene& scene, const FreeGroups& groups, BoundedEnergy& e) {
   e.tied.assign(scene.robots.size(), 0);
   const auto tie = [&](int robot) { e.tied[e.cluster[robot]] = 1; };

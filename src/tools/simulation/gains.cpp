@@ -12,13 +12,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// The roots of z^2 - trace z + det = 0; `first` has the larger magnitude.
-struct Roots {
+struct Roots {  // the roots of z^2 - trace z + det = 0; `first` has the larger magnitude
   Complex first, second;
   Roots(double trace, double det) {
     const Complex root = std::sqrt(Complex(trace * trace / 4 - det));
-    // This sign avoids cancellation.
-    first = trace / 2 + (trace < 0 ? -root : root);
+    first = trace / 2 + (trace < 0 ? -root : root);  // this sign avoids cancellation
     second = first == 0.0 ? 0.0 : det / first;
   }
 };

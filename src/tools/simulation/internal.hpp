@@ -21,24 +21,21 @@ void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& data);
 /// Updates data.condition after a step's first solve, whose result is in `of`, if data.condition_every requests it.
 void watch_condition(const Scene& scene, SceneData& of, SimulationData& data);
 
-/// Must be called after a step's first solve, whose result is in `of`. In the first step, and after contacts were
-/// switched, the rows that this solve finds redundant are marked as redundant for the next steps
-/// (dynamics/keep_dependent.hpp).
+/// Must follow a step's first solve, whose result is in `of`. In the first step, and after contacts were switched,
+/// marks the rows found redundant as redundant for the next steps (dynamics/keep_dependent.hpp).
 void keep_what_depends(SceneData& of, SimulationData& data);
 
 /// Computes q+ and v+ from the solution x of semi-implicit Euler, and corrects them with the momentum of free groups.
 void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data);
-/// Bound the energy of springs between points (bounded_energy.cpp). Call begin_bound before the impulses of springs are
-/// added to the momentum of free groups, and bound_energy after the step. goes_on: whether the state is the end of the
-/// last step.
+/// Bound the energy of springs between points (bounded_energy.cpp). Call begin_bound before impulses of springs are
+/// added to the momentum of free groups, bound_energy after the step. goes_on: the state is that after the last step.
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 
 /// Computes data.at_rest.kin at q, v, and data.tau = -h times the inverse dynamics at q, v, data.stop.
 void find_momentum(SimulationData& data);
 
-/// Copies data.f and data.f_offset from data.dynamics.
-void keep_forces(SimulationData& data);
+void keep_forces(SimulationData& data);  // copies data.f and data.f_offset from data.dynamics
 
 /// Compute the state after a step in next_q, next_v. Return false if a solve failed.
 [[nodiscard]] bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, SimulationData& data);

@@ -20,8 +20,7 @@ Vec6<double> placement_error(const Contact& contact, const ContactData<double>& 
     e = log6<double>(d.G);
   else
     e.head<3>() = d.G.R.transpose() * d.G.p;
-  // The angular error is the angle between the hinges' axes.
-  if (contact.type == ContactType::k5D)
+  if (contact.type == ContactType::k5D)  // angular error: angle between the hinges' axes
     e.tail<3>() = Vec3<double>(d.G.R.transpose() * contact.axis).cross(contact.axis);
   for (Eigen::Index i = 0; i < d.W.rows(); ++i) rows[i] = d.W.row(i).dot(e);
   return rows;

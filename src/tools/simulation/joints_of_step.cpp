@@ -40,8 +40,7 @@ void take_joints(const Scene& scene, SimulationData& d) {
 void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::VectorXd& v_next) {
   ResistingJoints& j = d.resisting->joints;
   const double h = d.h;
-  // Work is torque times stage_v.
-  d.stage_v = 0.5 * h * (d.v + v_next);
+  d.stage_v = 0.5 * h * (d.v + v_next);  // work is torque times stage_v
   d.work.dampers -= (j.damping.array() * v_next.array() * d.stage_v.array()).sum();
   for (const int i : j.rubbing) {
     const double torque = -j.friction[i] * (j.slip[i] != 0 ? j.slip[i] : v_next[i] / kStickVelocity);
@@ -52,8 +51,7 @@ void account_for_joints(const Scene& scene, SimulationData& d, const Eigen::Vect
     const Joint& joint = robot.model->joints[spring.joint];
     const int i = robot.idx_v + joint.idx_v;
     const double e = d.q[robot.idx_q + joint.idx_q] - spring.rest, moved = h * v_next[i];
-    // Strain on which the spring's force depends.
-    const double strained = e + moved - j.kept[i] * h * d.v[i];
+    const double strained = e + moved - j.kept[i] * h * d.v[i];  // strain that sets the force
     d.work.springs += (1 - j.kept[i]) * spring.stiffness * (moved * (e + moved / 2) - strained * d.stage_v[i]);
   }
   if (d.pd.kp.size() == 0) return;

@@ -46,8 +46,7 @@ bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Merges the nodes that contacts, motors, friction or rotors couple. A node is a set of bodies without free joints
-// between them.
+// Merges the nodes (sets of bodies without free joints between them) that contacts, motors, friction or rotors couple.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {

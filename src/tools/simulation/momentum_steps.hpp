@@ -19,8 +19,7 @@ void each_side(Groups& groups, const FreeGroups::FreeJoint& j, Use&& use) {
   if (auto& group = group_at(groups, j.parent); !group.tied) use(group, -1.0);
 }
 
-/// Return the displacement that end_free_motion adds to a free joint, and the velocity that it adds at the point `at`,
-/// in world axes.
+/// Return the displacement, and the velocity at the point `at`, that end_free_motion adds to a free joint (world axes).
 Vec3<double> added_displacement(const FreeGroups& groups, const FreeGroups::FreeJoint& j);
 Vec6<double> added_velocity(const FreeGroups& groups, const FreeGroups::FreeJoint& j, const Vec3<double>& at);
 
@@ -39,8 +38,7 @@ void in_the_plane(const FreeGroup& group, Vec3<double>& x);
 /// Returns the angular velocity dw with I dw = dL. dw is 0 about axes without inertia, and normal to a group's plane.
 Vec3<double> turn_for(const FreeGroup& group, const Mat3<double>& I, const Vec3<double>& dL);
 
-/// The rigid body that several free groups would form if they did not move relative to each other.
-struct OneBody {
+struct OneBody {  // the rigid body that several free groups would form if they did not move relative to each other
   double m = 0;
   Vec3<double> C = Vec3<double>::Zero();
   Mat3<double> I = Mat3<double>::Zero();         // inertia about C

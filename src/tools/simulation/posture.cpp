@@ -37,8 +37,7 @@ double take_rows(const Scene& scene, const Island& island, PostureData& d) {
   return size;
 }
 
-// Sets w to a vector of unit length in every island. Its entries differ, so that symmetries of the scene do not cancel
-// terms.
+// Sets w to a unit vector in every island, with different entries, so that symmetries of the scene cancel no terms.
 void begin(const Scene& scene, const std::vector<char>& active, PostureData& d) {
   d.active = active;
   d.dynamics.active = active;

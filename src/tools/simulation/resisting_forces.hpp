@@ -14,23 +14,17 @@ namespace internal {
 /// Workspace of bounded_energy.cpp. The energies [J] of a cluster (robots coupled by springs and contacts) are stored
 /// at its first robot.
 struct BoundedEnergy {
-  // Columns: energy that the springs may still give, and its maximum so far; kept between steps. NaN means unknown.
-  Eigen::ArrayX2d account;
+  Eigen::ArrayX2d account;  // columns: energy springs may still give, its maximum; kept between steps; NaN: unknown
   std::vector<int> cluster;
-  // Energy of the bodies at the start, and their energy after a step without springs minus the work of other forces.
-  Eigen::VectorXd before, without;
-  // given: energy that springs gave in this step; most: the largest energy that they can contain
-  Eigen::VectorXd given, most;
-  Eigen::VectorXd fast_given;  // energy that springs faster than the step gave
-  // kinetic: kinetic energy at the end of the step; relative: its part relative to the clusters' rigid motions
-  Eigen::VectorXd kinetic, relative;
-  std::vector<OneBody> bodies;  // one entry per free cluster
+  Eigen::VectorXd before, without;    // bodies: at the start; after a step without springs, minus other forces' work
+  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest that they can contain
+  Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
+  Eigen::VectorXd kinetic, relative;  // kinetic energy at the step's end; its part relative to the rigid motions
+  std::vector<OneBody> bodies;        // one entry per free cluster
   struct Stretched {
     Eigen::VectorXd all, fast;
-  } at_start, at_end;  // energies of all springs, and of springs faster than the step
-  // share: factor by which a cluster's velocities relative to its rigid motion are scaled; rigid_v: velocities of the
-  // clusters' rigid motions (nv)
-  Eigen::VectorXd share, rigid_v;
+  } at_start, at_end;              // energies of all springs, and of springs faster than the step
+  Eigen::VectorXd share, rigid_v;  // factor on velocities relative to the rigid motion; rigid-motion velocities (nv)
 
   std::vector<char> tied;           // one entry per cluster: whether it is fixed to the world
   std::vector<int> of_group;        // one entry per free group: its cluster
@@ -57,12 +51,10 @@ struct ResistingForces {
     if (!scene.springs.empty()) springs.emplace(scene);
   }
   internal::ResistingJoints joints;
-  bool made = false;  // whether the members at_rest and dynamics were created
-  // The scene with added inertias; null if SimulationData::at_rest is used.
-  std::unique_ptr<SceneAtRest> at_rest;
-  std::unique_ptr<SceneData> dynamics;  // data of at_rest
-  // Empty if there are no springs between points.
-  std::optional<internal::ResistingSprings> springs;
+  bool made = false;                     // whether the members at_rest and dynamics were created
+  std::unique_ptr<SceneAtRest> at_rest;  // the scene with added inertias; null if SimulationData::at_rest is used
+  std::unique_ptr<SceneData> dynamics;   // data of at_rest
+  std::optional<internal::ResistingSprings> springs;  // empty if there are no springs between points
   internal::BoundedEnergy bounded;
 };
 

@@ -27,8 +27,7 @@ std::shared_ptr<Model> own_model(const Robot& robot, const Eigen::VectorXd& adde
   return model;
 }
 
-// Returns the diagonal of M^-1 at q = 0 for joints with springs, and 0 for other joints. It is infinite if M is
-// singular.
+// Returns the diagonal of M^-1 at q = 0 for joints with springs (infinite if M is singular), and 0 for other joints.
 Eigen::VectorXd mobilities(const Scene& scene) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(scene.nv);
   int last = -1;

@@ -109,8 +109,8 @@ bool solves(const Eigen::VectorXd& b, const Eigen::VectorXd& wanted, SimulationD
   return solved(solve_tau(rest, d.q, d.at_rest.zero, b, wanted, data).status, d);
 }
 
-// Solves K v+ = b in SIMD batches, which add M v and the bias to b, and returns whether that succeeded. If batches cannot
-// solve, it returns nothing, and these terms are in b and d.tau instead.
+// Solves K v+ = b in SIMD batches, which add M v and the bias to b, and returns whether that succeeded. If batches
+// cannot solve, it returns nothing, and these terms are in b and d.tau instead.
 std::optional<bool> solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
   if (!d.in_batches) return std::nullopt;
   d.next_contact_v.resize(d.wanted.size());
@@ -126,8 +126,7 @@ std::optional<bool> solve_in_batches(Eigen::VectorXd& b, SimulationData& d) {
 
 const Eigen::VectorXd& answer(SimulationData& d) { return at_rest_with_joints(d).data.a; }
 
-// Sets the contacts' alpha to zero during its lifetime, so that placement errors do not affect responses to unit
-// forces.
+// Sets the contacts' alpha to zero during its lifetime, so that placement errors do not affect unit-force responses.
 class WithoutGains {
  public:
   WithoutGains(Scene& rest, std::vector<double>& gains) : rest_(rest), gains_(gains) {
@@ -151,8 +150,7 @@ bool islands_fit(const SceneData& data) {
   return true;
 }
 
-// Computes K^-1 of every island with one panel of right-hand sides. Returns null if one solve per unit force is cheaper
-// or the computation failed.
+// Computes K^-1 of every island with one panel. Returns null if that fails or one solve per unit force is cheaper.
 const DerivativeData* find_inverse(SimulationData& d, const ResistingSprings& s) {
   const auto [rest, data] = at_rest_with_joints(d);
   if (s.numbers < kFewNumbers || !islands_fit(data)) return nullptr;

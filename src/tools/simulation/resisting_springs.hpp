@@ -26,51 +26,42 @@ namespace manycontact::internal {
 struct ResistingSprings {
   explicit ResistingSprings(const Scene& scene);
 
-  Scene loads;  // the scene with all loads except springs between points
-  // Applied forces of `loads`, or null if `loads` has none.
-  std::shared_ptr<AppliedForces<double>> of_loads;
-  // Upper bound per spring: J M^-1 J^T of its bodies alone [1/kg].
-  std::vector<double> mobility;
+  Scene loads;                                      // the scene with all loads except springs between points
+  std::shared_ptr<AppliedForces<double>> of_loads;  // applied forces of `loads`, or null if `loads` has none
+  std::vector<double> mobility;                     // upper bound per spring: J M^-1 J^T of its bodies alone [1/kg]
 
   struct Row {
     int spring;
     Vec3<double> direction;  // unit vector in the world
     double D, g, k, e;       // k, e: stiffness and stretch along `direction`
-    // Row across a spring: its rotating share r from 0 to 1; row along a spring: -1.
-    double turns;
-    // Row across a spring with a rest length: current length of the spring; other rows: 0.
-    double length;
-    double keeps = 0;  // share s of the start velocity v that the spring does not resist
+    double turns;            // row across a spring: its rotating share r from 0 to 1; row along a spring: -1
+    double length;           // row across a spring with a rest length: current length of the spring; other rows: 0
+    double keeps = 0;        // share s of the start velocity v that the spring does not resist
   };
   std::vector<Row> rows;
   UnitTorques unit;
   std::vector<UnitForce> ends;  // unit forces on the ends of rows
   std::vector<int> row;         // row of each entry of `ends`
   int numbers = 0;              // count of numbers in `ends`; forces with the same number are on different islands
-  // One entry per island: index in `ends` of the unit force in the current solve, or -1.
-  std::vector<int> asked;
-  // Saves alpha of each contact while the solves for unit forces use zero.
-  std::vector<double> gains;
-  Eigen::VectorXd by_unit;  // nv: response to unit forces, computed with the matrix K^-1
+  std::vector<int> asked;       // one entry per island: index in `ends` of the unit force in the current solve, or -1
+  std::vector<double> gains;    // saves alpha of each contact while the solves for unit forces use zero
+  Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
   Eigen::VectorXd p, rate;     // one entry per row: impulse p; rate J v'
   Eigen::VectorXd given;       // one entry per row: energy that the impulse without damper gives to the bodies [J]
   Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
   bool is_dense = true;        // whether J K^-1 J^T is stored dense: it has few rows, or enough nonzero entries
-  // C: J K^-1 J^T; with_D: its part for the rows `used`, with D^-1 added
-  Eigen::MatrixXd C, with_D;
-  std::vector<int> used;  // rows that are part of the last factorization
+  Eigen::MatrixXd C, with_D;   // C: J K^-1 J^T; with_D: its part for the rows `used`, with D^-1 added
+  std::vector<int> used;       // rows that are part of the last factorization
   Eigen::VectorXd of_used;
-  Eigen::LLT<Eigen::MatrixXd> factor;           // used for many rows
-  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;  // used for few rows, and if `factor` fails
-  // Sparse J K^-1 J^T: entries of all rows, and of the rows in the factorization.
-  std::vector<Eigen::Triplet<double>> entries, own_entries;
+  Eigen::LLT<Eigen::MatrixXd> factor;                        // used for many rows
+  Eigen::LDLT<Eigen::MatrixXd> pivoted_factor;               // used for few rows, and if `factor` fails
+  std::vector<Eigen::Triplet<double>> entries, own_entries;  // entries of all rows; of the rows in the factorization
   Eigen::SparseMatrix<double> S;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> sparse_factor;
   Eigen::VectorXd b, none;
-  // The solution without springs: v+ (nv), and the impulses of contacts.
-  Eigen::VectorXd without, f_without;
+  Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), and the impulses of contacts
 
   // Sets of groups coupled by springs, and the angular momentum to be restored to each set.
   std::vector<int> cluster, members;
@@ -88,8 +79,7 @@ void solve_rows(ResistingSprings& s, Eigen::VectorXd& x);
 
 /// Adds external wrenches and joint springs at the start of the step to data.w. Evaluates data.applied at this state.
 void add_loads(const Scene& scene, SimulationData& data);
-/// Finds the rows of all springs. Requires add_loads. Sets data.w to NaN for a spring of length zero, which has no
-/// direction.
+/// Finds the rows of all springs. Requires add_loads. Sets data.w to NaN for a spring of length zero (no direction).
 void take_springs(const Scene& scene, SimulationData& data);
 /// Solves K v+ = b with the springs' impulses in the data of at_rest_with_joints. Returns false if a solve failed. With
 /// data.in_batches, the solve adds M v and the bias to b. If SIMD batches fail, b and data.tau contain these terms.

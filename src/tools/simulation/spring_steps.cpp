@@ -14,8 +14,7 @@ using internal::UnitForce;
 namespace {
 
 constexpr double kReachOfRk4 = 2.6;
-// Most joints with forces in a robot for which mobilities are computed.
-constexpr int kMostAsked = 100;
+constexpr int kMostAsked = 100;  // most joints with forces in a robot for which mobilities are computed
 
 // Stiffness k and damping c of joint coordinates. Joint friction counts as a damper with its slope at zero velocity.
 struct JointForces {
@@ -35,8 +34,7 @@ std::vector<int> joints_with_forces(const JointForces& forces) {
   return out;
 }
 
-// Makes three unit forces per spring between points, and one per joint. If a robot has more than kMostAsked joints with
-// forces, their mobility is infinite instead.
+// Makes three unit forces per spring and one per joint. More than kMostAsked joints of a robot get infinite mobility.
 std::vector<UnitForce> all_forces(const Scene& scene, const PdLaws& pd, internal::UnitTorques& unit,
                                   Eigen::VectorXd& mobility_of_joints) {
   std::vector<UnitForce> out;
@@ -74,8 +72,7 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
   const std::vector<UnitForce> forces = all_forces(scene, pd, unit, out.joints);
   if (forces.empty()) return out;
   SceneAtRest rest(scene);
-  // With zero gains, placement errors do not affect mobilities.
-  rest.follow(scene, 0);
+  rest.follow(scene, 0);  // zero gains: placement errors do not affect mobilities
   SceneData data(rest.scene);
   data.active = active;
   unit.place(scene, q);

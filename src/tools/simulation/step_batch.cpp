@@ -24,10 +24,9 @@ struct SimulationBatch::Part {
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  // Null if the thread's data are used.
-  std::unique_ptr<SimulationData> own;
-  std::vector<SimulationData> alone;  // empty, or one entry per state
-  Eigen::VectorXd u;                  // workspace
+  std::unique_ptr<SimulationData> own;  // null if the thread's data are used
+  std::vector<SimulationData> alone;    // empty, or one entry per state
+  Eigen::VectorXd u;                    // workspace
 };
 
 struct SimulationBatch::Work {
@@ -279,8 +278,7 @@ void set_state(const Scene& scene, Eigen::Index k, const ConstVector& q, const C
     set(part.alone[copy], 0);
   else
     with_data(work, work.of_threads.front(), part, [&](SimulationData& d) {
-      // The surplus copies repeat the last state, and are set too.
-      for (int at = copy; at < last; ++at) {
+      for (int at = copy; at < last; ++at) {  // surplus copies repeat the last state, and are set too
         set(d, at);
         if (d.steps > 0) renew(scene, work.scene, at, batch.f.cols(), d);
       }

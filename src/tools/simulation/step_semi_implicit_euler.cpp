@@ -34,8 +34,7 @@ void begin_motion(const Scene& scene, bool goes_on, SimulationData& d) {
   if (any_free || !goes_on) kinematics_at(scene, d.q, d.v, d.at_rest.kin);
 }
 
-// Sets data.wanted to (1 - beta h) c, where c is the contact velocity after the last step, or J v if the state was
-// changed.
+// Sets data.wanted to (1 - beta h) c, with c the contact velocity after the last step, or J v if the state was changed.
 void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d) {
   prepare(d.at_rest.scene, d.dynamics);
   if (!goes_on) {
@@ -49,7 +48,6 @@ void want_contact_velocities(const Scene& scene, bool goes_on, SimulationData& d
   if (rows_may_turn(scene, d)) leave_out_alpha_of_turning_rows(scene, d);
 }
 
-// Updates contact velocities at the end of the step.
 void follow_contact_velocities(SimulationData& d) {
   d.wanted = d.contact_v;
   if (d.in_batches)
@@ -58,8 +56,7 @@ void follow_contact_velocities(SimulationData& d) {
     d.at_rest.contact_velocities_at(d.next_v, d.dynamics.f_offset, d.contact_v);
 }
 
-// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. Returns false if a solve
-// failed.
+// Solves K v+ = tau + h w with all resisting forces, in the data of at_rest_with_joints. Returns false if it failed.
 bool solve_to_the_end(const Scene& scene, SimulationData& d) {
   Eigen::VectorXd& b = d.b;
   for (int k = 0; k < kMostSolves; ++k) {
@@ -146,8 +143,7 @@ bool step_semi_implicit_euler(const Scene& scene, const ConstVector& u, Simulati
   end_step(scene, d.dynamics.a, d);
   bound_energy(scene, d);
   d.dynamics.a = d.dynamics.a / h + d.stop;
-  // The solution does not belong to the state after the step.
-  give_up_solution(d.dynamics);
+  give_up_solution(d.dynamics);  // which does not belong to the state after the step
   keep_forces(d);
   d.left_q = d.next_q, d.left_v = d.next_v, d.left_active = d.dynamics.active;
   return true;

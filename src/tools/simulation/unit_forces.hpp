@@ -7,18 +7,14 @@
 
 namespace manycontact::internal {
 
-/// Finds sets of robots coupled by contacts flagged `active`, or also by springs. first[r] is the first robot of the
-/// set that contains r.
+/// Finds sets of robots coupled by active contacts, or also by springs. first[r]: first robot of the set with r.
 void find_robot_sets(const Scene& scene, const std::vector<char>& active, bool by_springs, std::vector<int>& first);
 
 struct UnitForce {
-  // Index of a spring between points, whose ends on `island` the force acts on.
-  int spring = -1;
+  int spring = -1;  // index of a spring between points, whose ends on `island` the force acts on
   Vec3<double> direction = Vec3<double>::Zero();  // direction in the world; B's end gets the opposite
-  // Index of a joint's coordinate in the scene's v, on which the force acts.
-  int coordinate = -1;
-  // Set by UnitTorques; forces with the same number are on different islands.
-  int island = -1, number = 0;
+  int coordinate = -1;          // index of a joint's coordinate in the scene's v, on which the force acts
+  int island = -1, number = 0;  // set by UnitTorques; forces with the same number are on different islands
 };
 
 class UnitTorques {
@@ -28,8 +24,7 @@ class UnitTorques {
   void place(const Scene& scene, const Eigen::VectorXd& q);
   void clear();
   void add(const UnitForce& force, double amount);
-  /// Returns the torques U x (nv), where x are the amounts of the added forces. The reference is valid until the next
-  /// call.
+  /// Returns the torques U x (nv), with x the amounts of the added forces. The reference is valid until the next call.
   const Eigen::VectorXd& torques();
   /// Stores a velocity or acceleration a (nv), of which `along` returns components. Clears the sum of added forces.
   void look(const Eigen::VectorXd& a);
@@ -51,11 +46,9 @@ class UnitTorques {
   void give_number(UnitForce& force);
   std::vector<int> islands_, count_;
   int most_ = 0;
-  // One entry per spring: index of the wrench on its end, or -1 if the end is fixed to the world.
-  std::vector<int> push_[2];
-  // One entry per spring: island of its end, or -1 if the end is fixed to the world.
-  std::vector<int> island_of_end_[2];
-  Scene ends_;  // the robots, with an external wrench in world axes at each movable end
+  std::vector<int> push_[2];  // one per spring: index of the wrench on its end, or -1 if the end is fixed to the world
+  std::vector<int> island_of_end_[2];  // one per spring: island of its end, or -1 if the end is fixed to the world
+  Scene ends_;                         // the robots, with an external wrench in world axes at each movable end
   AppliedForces<double> forces_;
   AppliedScratch scratch_;
   std::vector<int> robots_;

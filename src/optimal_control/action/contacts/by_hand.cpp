@@ -56,7 +56,6 @@ void differentiate_rows(const Scene& scene, const Contact& contact, const std::v
   internal::set_drift_derivatives(columns_of(scene, contact), rows.support, rows.at, d, out);
 }
 
-// Allocates the data of one contact, and sets the views df_dx, df_du.
 void make_room(const Contact& contact, std::size_t nv, std::size_t nu, ContactDataAbstract& data) {
   const Eigen::Index nc = contact.rows(), n = static_cast<Eigen::Index>(nv);
   data.own_contact = contact;

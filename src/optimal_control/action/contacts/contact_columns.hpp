@@ -32,7 +32,6 @@ inline bool have_same_rows(const Contact& a, const Contact& b) {
          a.A.placement.p == b.A.placement.p && a.A.placement.R == b.A.placement.R;
 }
 
-/// Sets the columns of P to the unit wrenches of a contact's rows, in the contact's reference frame.
 template <class Wrenches>
 void unit_wrenches(ContactType type, const Vec3<double>& axis, Wrenches& P) {
   P.setZero(6, contact_rows(type));

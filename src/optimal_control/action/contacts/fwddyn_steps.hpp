@@ -16,11 +16,9 @@ bool on_same_frames(const ContactModelMultiple& contacts, const ContactDataMulti
 
 /// Sets the rows and columns of the islands, and the sparsity patterns of Fx and Fu.
 void lay_out_islands(const ActuationModelAbstract& actuation, DifferentialActionDataContactFwdDynamics& data);
-/// Sets the sizes of the contacts' data.
 void lay_out_contacts(const ContactModelMultiple& contacts, DataCollector& m);
 
-/// Computes Jc, a0 and f of each active contact.
-void fill_contacts(DataCollector& m);
+void fill_contacts(DataCollector& m);  // computes Jc, a0 and f of each active contact
 /// Computes da0_dx of each active contact and, with `forces`, sets the views df_dx and df_du.
 void fill_contact_derivatives(bool forces, DataCollector& m);
 /// Copies the panels of the islands to Fx and Fu, in dense or sparse storage.

@@ -229,7 +229,6 @@ void ConstraintModelManager::prepare(const char* where, const DataPtr& data, con
   if (u) check_size(where, "u", u->size(), nu_);
 }
 
-// Stacks the values g = r and h = r - lb of the active constraints.
 void ConstraintModelManager::stack_values(ConstraintDataManager& data, bool terminal) const {
   DifferentialActionDataAbstract& out = *data.out;
   int g = 0, h = 0;

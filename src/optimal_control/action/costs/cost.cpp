@@ -11,8 +11,7 @@ namespace manycontact {
 
 namespace {
 
-// The residual of a user-defined cost that was constructed without one. Its calc does nothing, because the cost may
-// write r itself.
+// The residual of a user-defined cost constructed without one. Its calc does nothing, as the cost may write r itself.
 class OwnResidual final : public ResidualModelAbstract {
  public:
   using ResidualModelAbstract::ResidualModelAbstract;

@@ -22,8 +22,7 @@ std::vector<CostGroup::Run> runs_of(const std::vector<int>& columns) {
 
 bool is_square(const CostGroup& g) { return g.xcols.size() + g.ucols.size() == 1; }
 
-// Workspace for one group of costs.
-struct Scratch {
+struct Scratch {             // workspace for one group of costs
   std::vector<double> L, R;  // row-major: L = [Rx Ru], R = [w Arr Rx, w Arr Ru, w Ar]
   std::vector<double> H;     // L^T R: the Hessian, with the gradient in its last column
 };
@@ -191,8 +190,7 @@ void CostGroups::add_own(const std::vector<double>& weights, bool terminal, Cost
 void CostGroups::add(const std::vector<double>& weights, bool terminal, CostDerivatives& out) {
   add_squares(weights, terminal, out);
   add_own(weights, terminal, out);
-  // All nodes that a thread evaluates share one workspace, so that it remains in the cache.
-  thread_local Scratch work;
+  thread_local Scratch work;  // all nodes that a thread evaluates share one workspace, so that it remains in the cache
   for (auto* rows : {&work.L, &work.R})
     if (rows->size() < most_) rows->resize(most_);
   if (work.H.size() < widest_ * widest_) work.H.resize(widest_ * widest_);

@@ -10,7 +10,6 @@ const State& given(const std::shared_ptr<State>& state) {
   return *state;
 }
 
-/// Returns nu, or the state's nv if nu is kDefaultNu.
 inline std::size_t nu_or_default(const std::shared_ptr<StateAbstract>& state, std::size_t nu) {
   const std::size_t nv = given(state).get_nv();
   return nu == kDefaultNu ? nv : nu;

@@ -20,8 +20,7 @@ Eigen::Vector3d center_of_mass(const DataCollector& shared, int first, int last,
   return c / mass;
 }
 
-// Returns the linear momentum of the subtree that moves with S_i, which is m dc/dq_i (m: total mass, c: centre of
-// mass).
+// Returns the linear momentum of the subtree that moves with S_i: m dc/dq_i (m: total mass, c: centre of mass).
 Eigen::Vector3d moved_mass(const Inertia<double>& Yc, const Vec6<double>& S) { return (Yc * S).head<3>(); }
 
 }  // namespace

@@ -134,8 +134,7 @@ void ContactResidual::evaluate(ResidualDataAbstract& data, const ConstVectorRef&
     return;
   }
   const Contact& contact = *d.contact->contact;
-  // This is repeated, because the contact's axis may have changed since lay_out.
-  internal::unit_wrenches(contact.type, contact.axis, d.P);
+  internal::unit_wrenches(contact.type, contact.axis, d.P);  // again: the contact's axis may have changed since lay_out
   if (axes_ != ConeAxes::kContact) {
     find_axes(contact, axes_, d);
     const Mat3<double> turn = d.oRX.transpose() * d.oRF;

@@ -97,8 +97,7 @@ void GravityResidual::lay_out(ResidualDataAbstract& data) const {
       d.island[v[k]] = static_cast<int>(i);
     }
     std::vector<int> x = islands[i].x;
-    // Takes only columns of q, because the residual does not depend on v.
-    if (!contacts_ && d.shared->custom.empty()) x = v;
+    if (!contacts_ && d.shared->custom.empty()) x = v;  // only columns of q: the residual does not depend on v
     for (int dof : v) d.q_column[i].push_back(static_cast<int>(std::find(x.begin(), x.end(), dof) - x.begin()));
     d.blocks.emplace_back(v, std::move(x), islands[i].u);
     d.dg.emplace_back(v.size(), v.size());

@@ -7,10 +7,9 @@ namespace {
 
 struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  // Velocities of bodies and momenta of subtrees for the joint velocities w, per robot and joint.
-  std::vector<std::vector<Vec6<double>>> v, h;
-  Eigen::VectorXd w;     // velocity jump v+ - v (nv)
-  Eigen::MatrixXd Jcom;  // 3 x nv
+  std::vector<std::vector<Vec6<double>>> v, h;  // body velocities, subtree momenta for w, per robot and joint
+  Eigen::VectorXd w;                            // velocity jump v+ - v (nv)
+  Eigen::MatrixXd Jcom;                         // 3 x nv
 };
 
 }  // namespace

@@ -49,8 +49,7 @@ bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
   return d && model_->checkData(d->inner);
 }
 
-// Adds d (y + y+) / 2 to the cost for each active row, with y+ /= 0 and d = c - bound. Subtracts y^2 / (2 rho) for each
-// inactive row.
+// Adds to the cost d (y + y+) / 2 per active row (y+ /= 0, d = c - bound), and -y^2 / (2 rho) per inactive row.
 void ActionModelAugmentedLagrangian::evaluate(ActionDataAugmentedLagrangian& d, const ConstVectorRef& x,
                                               const ConstVectorRef* u) {
   u ? model_->calc(d.inner, x, *u) : model_->calc(d.inner, x);

@@ -24,9 +24,8 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-// The penalty increases if m after a minimisation is more than this multiple of m before.
-constexpr double kProgress = 0.1;
-constexpr double kHoped = 0.3;  // expected multiple of m after the next minimisation
+constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this multiple of m
+constexpr double kHoped = 0.3;     // expected multiple of m after the next minimisation
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
@@ -34,15 +33,11 @@ constexpr int kFlat = 2;                // consecutive minimisations without a s
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
 constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
 constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
-// Number of iterations between two tests for slow convergence of a minimisation.
-constexpr int kWindow = 10;
-// Gauss-Newton steps are slow if `stop` is above kSlow times its value two iterations before, and above kStillSlow
-// times its value one iteration before
-constexpr double kSlow = 0.1;
-// See the comment on kSlow.
-constexpr double kStillSlow = 0.3;
-constexpr double kNearer = 0.1;  // quasi-Newton steps are retried below this multiple of `stop` at their failure
-constexpr double kCrawl = 0.01;  // smallest useful reduction, relative to the constraints' terms
+constexpr int kWindow = 10;             // number of iterations between two tests for slow convergence of a minimisation
+constexpr double kSlow = 0.1;       // Gauss-Newton is slow if `stop` exceeds this multiple of `stop` two iterations ago
+constexpr double kStillSlow = 0.3;  // and if `stop` exceeds this multiple of `stop` one iteration ago (see kSlow)
+constexpr double kNearer = 0.1;     // quasi-Newton steps are retried below this multiple of `stop` at their failure
+constexpr double kCrawl = 0.01;     // smallest useful reduction, relative to the constraints' terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -174,8 +169,7 @@ void SolverAugmentedLagrangian::takeCandidate() {
   is_feasible_ = inner_->get_is_feasible();
 }
 
-// Reports an iteration. The violation is measured only after accepted steps, because nodes otherwise contain the data
-// of a rejected step.
+// Reports an iteration. Measures the violation only after accepted steps: a rejected step leaves its data in nodes.
 void SolverAugmentedLagrangian::reportIteration() {
   takeCandidate();
   for (std::size_t t = 0; t < fs_.size(); ++t) fs_[t] = inner_->get_fs()[t];
@@ -207,8 +201,7 @@ bool SolverAugmentedLagrangian::isSlow() {
   return slow_;
 }
 
-// Tests every kWindow iterations. Returns whether they hardly reduced the augmented Lagrangian and the violation, so
-// that the minimisation ends.
+// Tests every kWindow iterations whether these hardly reduced the augmented Lagrangian and the violation.
 bool SolverAugmentedLagrangian::crawls() {
   if (window_++ % kWindow != 0) return false;
   crawls_ = is_feasible_ && violation_ > th_constraint_ && violation_ > kCloser * window_violation_ &&
@@ -218,7 +211,6 @@ bool SolverAugmentedLagrangian::crawls() {
   return crawls_;
 }
 
-// Computes gfeas, hfeas and the violation from the evaluated nodes.
 void SolverAugmentedLagrangian::measureViolation() {
   gfeas_ = computeInequalityFeasibility();
   hfeas_ = computeEqualityFeasibility();

@@ -64,7 +64,6 @@ AL::Node AL::decorated(std::size_t t, const Eigen::VectorXd& multipliers) const 
   return out;
 }
 
-// Returns whether augmented_ was made from the current nodes of the problem.
 bool AL::is_decorated() const {
   const std::size_t T = problem_->get_T();
   if (augmented_->get_T() != T) return false;

@@ -18,8 +18,7 @@ namespace {
 using Vectors = std::vector<Eigen::VectorXd>;
 using internal::ConstraintRows;
 
-// The largest magnitude of the numbers that were added. It is infinite if a number was not finite.
-struct Largest {
+struct Largest {  // The largest magnitude of the numbers that were added. It is infinite if a number was not finite.
   double value = 0;
   void add(double number) {
     if (!std::isfinite(number)) value = std::numeric_limits<double>::infinity();
@@ -57,8 +56,7 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the gradient `slope` of control i to `worst`. With limits, adds u - P(u - slope) instead, where P projects onto
-// the limits.
+// Adds the gradient `slope` of control i to `worst`, or, with limits, u - P(u - slope), where P projects onto them.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())

@@ -4,8 +4,7 @@
 
 namespace manycontact::internal {
 
-/// Returns the result of kkt_residual, from differentiated nodes. work is workspace. Allocates if there are several
-/// subproblems.
+/// Returns kkt_residual's result from differentiated nodes. work: workspace. Allocates for several subproblems.
 double kkt_residual_of_nodes(const ShootingProblem& problem, const std::vector<Eigen::VectorXd>& xs,
                              const std::vector<Eigen::VectorXd>& us, const std::vector<Eigen::VectorXd>& l, bool limits,
                              const std::vector<Eigen::VectorXd>& ys, double scale, Eigen::VectorXd& work);

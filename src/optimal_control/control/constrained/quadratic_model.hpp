@@ -6,10 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Returns the model of node t if the node has couplings, otherwise null.
-const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);
-/// Returns the subproblems of coupled nodes, which are the same in all nodes. Without couplings, there is one
-/// subproblem with all coordinates.
+const ActionModelParts* as_coupled(const ShootingProblem& problem, std::size_t t);  // model of node t, or null
+/// Returns the subproblems of coupled nodes, the same in all nodes, or, without couplings, one with all coordinates.
 std::vector<ActionPart> blocks_of(const ShootingProblem& problem);
 
 /// Makes a knot with one group per block. couplings: pairs of blocks. Each coupling has six rows and six variables.
@@ -18,7 +16,6 @@ lq::Knot knot_of(std::size_t blocks, const std::vector<std::pair<int, int>>& cou
 lq::Problem structure_of(const ShootingProblem& problem, const std::vector<ActionPart>& blocks);
 
 enum class Terms { kAll, kWithoutHessians };
-/// Sets all matrices and vectors except f and x0 from the nodes' derivatives.
 void fill_nodes(const ShootingProblem& problem, Terms terms, lq::Problem& out);
 
 }  // namespace manycontact::internal

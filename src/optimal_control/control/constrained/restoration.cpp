@@ -1,6 +1,5 @@
-// Minimises the violation of the constraints without the costs, to find whether the constraints can be satisfied. In
-// this file r are the violations, C is their Jacobian, and `stop` is the expected reduction of a step
-// (augmented_lagrangian.hpp).
+// Minimises the violation of the constraints without the costs, to find whether they can be satisfied. Here r are the
+// violations, C is their Jacobian, and `stop` is the expected reduction of a step (augmented_lagrangian.hpp).
 
 #include <algorithm>
 #include <cmath>
@@ -28,30 +27,23 @@ constexpr double kCrawling = 1e-9;   // iterations are slow if `stop` is below t
 // Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). The small
 // changes are for unstable robots, which without feedback move far away from the candidate after larger changes.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Largest random changes of the controls for motions far from the candidate, relative to max(1, largest control).
-// Negative numbers mean changes of zero controls instead of the candidate's controls.
+// Largest random changes for motions far away, relative to max(1, largest control). Negative: changes of zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
-// A search ends if kCreepingWindow iterations leave at least this share of |r|^2.
-constexpr double kCreeping = 0.99;
-// Used instead of kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2.
-constexpr double kSettled = 1 - 1e-12;
+constexpr double kCreeping = 0.99;  // a search ends if kCreepingWindow iterations leave at least this share of |r|^2
+constexpr double kSettled = 1 - 1e-12;  // kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2
 constexpr std::size_t kCreepingWindow = 8;
-// The original candidate is preferred if its violation is at most this multiple of the least violation.
-constexpr double kAsNear = 1.01;
-// The solve continues if a candidate reduces the violation to at most this share.
-constexpr double kMuchNearer = 0.5;
+constexpr double kAsNear = 1.01;  // the original candidate is preferred up to this multiple of the least violation
+constexpr double kMuchNearer = 0.5;  // the solve continues from a candidate with at most this share of the violation
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
 // Initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor by which it increases.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
 constexpr double kLongest = 10;  // longest first step, in units of the largest control
-// A search has returned to the candidate if its result is worse by at most this share.
-constexpr double kBack = 1e-3;
+constexpr double kBack = 1e-3;  // a search has returned to the candidate if its result is worse by at most this share
 constexpr std::size_t kRestorations = 5;
-// Constraints are infeasible if controls within limits reduce |r|^2 by at most this share.
-constexpr double kBeyond = 0.1;
+constexpr double kBeyond = 0.1;  // infeasible: controls within limits reduce |r|^2 by at most this share
 constexpr int kSaddles = 4;  // most searches that restart from a smaller violation near the candidate
 
 }  // namespace
@@ -64,8 +56,7 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back())
-      // An unchanged value is that of a rejected step, which is repeated with more regularisation.
-      last_.push_back(left);
+      last_.push_back(left);  // a rejected step repeats its value, with more regularisation
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
@@ -142,8 +133,7 @@ AL::Restoration AL::violationAlone(double met, std::size_t maxiter) {
   return out;
 }
 
-// Sets the smallest regularisation in proportion to |C|^2. An absolute regularisation would prevent steps if controls
-// have weak effects.
+// Sets the least regularisation in proportion to |C|^2: an absolute one prevents steps if controls have weak effects.
 void AL::regulariseLeast(Restoration& own) {
   evaluate(own);
   const double size = jacobianSize(own);
@@ -188,7 +178,6 @@ void AL::level(Restoration& own) {
   }
 }
 
-// Makes the result of own.solver, which minimises the violation, the candidate.
 void AL::take(Restoration& own) {
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_[t] = own.solver->get_xs()[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_[t] = own.solver->get_us()[t];
@@ -208,8 +197,7 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   std::uniform_real_distribution<double> noise(-std::abs(by) * largest, std::abs(by) * largest);
   Eigen::VectorXd throughout = Eigen::VectorXd::Zero(problem_->get_nu_max());
   const bool beside = std::abs(by) <= kBeside[0];
-  // Adds constant controls, because the effects of controls that vary from node to node would cancel.
-  if (!beside)
+  if (!beside)  // adds constant controls: effects of controls that vary by node would cancel
     for (double& number : throughout) number = noise(random);
   for (std::size_t t = 0; t < us_.size(); ++t) {
     if (by < 0) us_[t].setZero();
@@ -231,7 +219,6 @@ AL::Beside AL::lookBeside(Restoration& own, double by) {
   return comes_back ? Beside::kComesBack : Beside::kUnclear;
 }
 
-// Evaluates the candidate's violations, and its cost in the original problem.
 void AL::evaluate(Restoration& own) {
   merit_ = own.problem->calc(xs_, us_);
   collectParts();
@@ -247,8 +234,7 @@ double AL::jacobianSize(Restoration& own) {
   std::vector<Eigen::VectorXd> signs;    // signs of the violations
   for (const Augmented& part : own.augmented) signs.push_back(part.data->y_next.cwiseSign());
   std::mt19937 random(2);
-  // The shares are not negative, because the multiplier of an inequality has a fixed sign.
-  std::uniform_real_distribution<double> share(0, 2);
+  std::uniform_real_distribution<double> share(0, 2);  // not negative: the multiplier of an inequality has a fixed sign
   double squares = 0;
   for (int k = 0; k < kDraws; ++k) {
     for (std::size_t i = 0; i < signs.size(); ++i) {
@@ -380,7 +366,6 @@ StopReason AL::restore(std::size_t maxiter) {
   // A violation below `shows` is only the rounding error of squared numbers, and does not prove infeasibility.
   const double shows = std::sqrt(std::numeric_limits<double>::epsilon()) * largest_number(xs_);
   shown = shown || (beyond && violation_ > kMuchNearer * violation_before);
-  // The original motion is preferred if it is about as good.
   if (shown && violation_ > std::max(th_constraint_, shows)) {
     if (feasible_before && violation_before <= kAsNear * violation_) take_back(xs_before, us_before, true);
     return StopReason::kInfeasible;

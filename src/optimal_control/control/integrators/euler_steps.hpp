@@ -9,7 +9,6 @@ namespace manycontact::internal {
 
 /// Returns the Euler data of a node, also if an augmented Lagrangian wraps the node, or null for other nodes.
 const IntegratedActionDataEuler* find_euler(const ActionDataAbstract& node);
-/// Returns the Euler data of a node that has such data, for writing.
 inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
   return const_cast<IntegratedActionDataEuler&>(*find_euler(node));
 }

@@ -146,8 +146,7 @@ void HeldVelocities::solve_at(const ConstVectorRef& state, double h, const DataC
   take_torques(of);
   torques_of_motion_ = torques_ - tau;
   begin_free_motion(of.scene, solution.active, torques_, h, kin, groups);
-  // slip is reset, so that the result depends only on the state
-  for (const int i : joints.rubbing) joints.slip[i] = 0;
+  for (const int i : joints.rubbing) joints.slip[i] = 0;  // so that the result depends only on the state
   joints.begun = false;
   for (int k = 0; k < kMostSolves; ++k) {
     joints.set_inertias(of.scene, h);

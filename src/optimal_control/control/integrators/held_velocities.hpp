@@ -30,8 +30,7 @@ struct HeldVelocities {
   void differentiate_finish(const DataCollector& of, double h, Eigen::MatrixXd& F);
 
   ResistingJoints joints;  // joints with friction or damping, at the end of the step
-  // Scene of `of` without gravity, with inertias that include `joints`, and with contact gains beta / s.
-  Scene scene;
+  Scene scene;  // scene of `of` without gravity, with inertias that include `joints`, and with contact gains beta / s
   SceneData solution;
   Eigen::VectorXd q, v, slow;  // q, v: the state; slow: s v
   Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
@@ -54,20 +53,17 @@ struct HeldVelocities {
   double h_;
   void kinematics_at_start(const DataCollector& of);
   void leave_out_alpha_of_turning_rows();
-  // take_torques adds torques of external wrenches and springs to those of the motors. differentiate_torques computes
-  // dtau_dx_.
+  // take_torques adds torques of external wrenches and springs to the motors'; differentiate_torques computes dtau_dx_.
   void take_torques(const DataCollector& of);
   void differentiate_torques(const DataCollector& of);
   const Eigen::SparseMatrix<double>& dtau_dx(const DataCollector& of) const {
     return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
   }
   std::vector<RobotWork> robots_;
-  Eigen::VectorXd turn_, scratch_of_end_;  // nv: -w x v
-  // nv: torques of motors, external wrenches and springs, and the same without the bias
-  Eigen::VectorXd torques_, torques_of_motion_;
-  Eigen::SparseMatrix<double> dtau_dx_;  // nv x ndx: derivatives of torques_; every entry is stored
-  // Null if there are no applied forces.
-  std::unique_ptr<AppliedForces<double>> applied_;
+  Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
+  Eigen::VectorXd torques_, torques_of_motion_;     // torques of motors, external wrenches, springs; without bias
+  Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: derivatives of torques_; every entry is stored
+  std::unique_ptr<AppliedForces<double>> applied_;  // null if there are no applied forces
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;
   Eigen::VectorXd unit_, by_q_, by_v_;  // nv

@@ -9,7 +9,6 @@ inline void check_dense(const char* where, const DifferentialActionDataAbstract&
   require(has_dense(from.storage), where, "the differential model's storage is not dense, kDense or kBoth is expected");
 }
 
-/// Copies g and h, and with `with_residual` also r.
 inline void copy_values(const DifferentialActionDataAbstract& from, bool with_residual, ActionDataAbstract& to) {
   to.g = from.g;
   to.h = from.h;

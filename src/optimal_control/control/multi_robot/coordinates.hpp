@@ -13,13 +13,11 @@ void take(const Whole& whole, const std::vector<int>& index, Part&& part) {
   for (std::size_t i = 0; i < index.size(); ++i) part[i] = whole[index[i]];
 }
 
-/// Sets whole(index) = part.
 template <class Part, class Whole>
 void put(const Part& part, const std::vector<int>& index, Whole&& whole) {
   for (std::size_t i = 0; i < index.size(); ++i) whole[index[i]] = part[i];
 }
 
-/// Sets whole(rows, cols) = part.
 inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const std::vector<int>& cols,
                 Eigen::MatrixXd& whole) {
   for (std::size_t j = 0; j < cols.size(); ++j)
@@ -27,7 +25,6 @@ inline void put(const Eigen::MatrixXd& part, const std::vector<int>& rows, const
       whole(rows[i], cols[j]) = part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
 }
 
-/// Returns the sum of size(model) over the models of all subproblems.
 template <class Part, class Size>
 std::size_t total(const char* where, const std::vector<Part>& parts, Size size) {
   std::size_t sum = 0;
@@ -38,7 +35,6 @@ std::size_t total(const char* where, const std::vector<Part>& parts, Size size) 
   return sum;
 }
 
-/// Stacks the vectors get(0), ..., get(count - 1) in `out`.
 template <class Get>
 void stack(std::size_t count, Get get, Eigen::VectorXd& out) {
   Eigen::Index size = 0;

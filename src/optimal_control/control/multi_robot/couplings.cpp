@@ -14,8 +14,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr const char* kCouplings = "ActionModelParts";
-// Number of equations of a coupling and size of its wrench, for every contact type.
-constexpr int kRows = 6;
+constexpr int kRows = 6;  // number of equations of a coupling and size of its wrench, for every contact type
 
 std::vector<int> part_of_robots(const Scene& scene, const std::vector<std::vector<int>>& robots) {
   std::vector<int> out(scene.robots.size(), -1);

@@ -48,8 +48,7 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> N =
       Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>::Zero(6 - m, 6);
   if (m == 6) return N;
-  // A hinge leaves the rotation about its axis free.
-  if (m == 5) {
+  if (m == 5) {  // a hinge leaves the rotation about its axis free
     N.row(0).tail<3>() = Vec3<double>(W.row(3).tail<3>()).cross(Vec3<double>(W.row(4).tail<3>()));
   } else {
     N.bottomRightCorner<3, 3>().setIdentity();
@@ -92,8 +91,7 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
-// The gradients Lx + Gx^T y_g + Hx^T y_h and Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: indices of its [y_g; y_h]
-// in y.
+// Gradients Lx + Gx^T y_g + Hx^T y_h, Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: indices of its [y_g; y_h] in y.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -156,8 +154,7 @@ void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataPar
   auto C = own.C[part].middleRows<6>(6 * at), D = own.D[part].middleRows<6>(6 * at);
   C.setZero();
   D.setZero();
-  // Rows of constrained directions, which contain derivatives of r2.
-  auto C_held = C.topRows(m), D_held = D.topRows(m);
+  auto C_held = C.topRows(m), D_held = D.topRows(m);  // rows of constrained directions, which contain derivatives of r2
   for (std::size_t k = 0; k < chain.size(); ++k) {
     const Index from = column + static_cast<Index>(k), to = first + chain[k];
     C_held.noalias() += coupling.rows.J.col(from) * a.Fx.row(to);
@@ -188,8 +185,7 @@ void Couplings::differentiate(const std::vector<ActionPart>& parts, ActionDataPa
   }
 }
 
-// Computes the matrices of the whole node. With wrenches w = W [dx; du] and (x_i, u_i, w_i) = T [dx; du] of subproblem
-// i,
+// Computes the whole node's matrices. With w = W [dx; du] and (x_i, u_i, w_i) = T [dx; du] of subproblem i,
 //     [Fx Fu] = sum [A B] T,    L.. = sum T^T [Lxx Lxu; Lxu^T Luu] T,    [Gx Gu] = [G_i T], [Hx Hu] = [H_i T]
 void Couplings::condense(const std::vector<ActionPart>& parts, ActionDataParts& d) const {
   const Index ndx = d.Fu.rows(), nu = d.Fu.cols();

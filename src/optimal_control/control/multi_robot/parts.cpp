@@ -136,8 +136,7 @@ bool ActionModelParts::checkData(const DataPtr& data) {
   return true;
 }
 
-// Copies each subproblem's share of x and u. The wrenches, which follow a subproblem's controls, are set by
-// Couplings::solve.
+// Copies each subproblem's share of x and u. Couplings::solve sets the wrenches, which follow a subproblem's controls.
 void ActionModelParts::take_values(const ConstVectorRef& x, const ConstVectorRef* u, ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     take(x, parts_[i].x, d.x[i]);
@@ -169,8 +168,7 @@ void ActionModelParts::differentiate(ActionDataParts& d, const ConstVectorRef& x
   coupled ? couplings_->condense(parts_, d) : collect_derivatives(d);
 }
 
-// Copies the subproblems' derivatives into the node's matrices. The blocks between subproblems are zero from
-// createData.
+// Copies the subproblems' derivatives into the node's matrices, whose other blocks are zero from createData.
 void ActionModelParts::collect_derivatives(ActionDataParts& d) const {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const ActionPart& p = parts_[i];

@@ -17,19 +17,16 @@ const Robot& robot_of_end(const StateMultibody& state, const WrenchEnd& end) {
   return state.get_model()->scene().robots[end.robot];
 }
 
-// Transforms the wrench w at a point p to the origin of the tree frame: (force, torque + r x force), where r is the
-// position of p.
+// Moves the wrench w from a point at r to the origin of the tree frame: (force, torque + r x force).
 Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   Vec6<double> out = w;
   out.tail<3>() += r.cross(Vec3<double>(w.head<3>()));
   return out;
 }
 
-// Returns whether coordinate j moves the motion subspace S_k of coordinate k of the same chain. It does unless j's
-// joint is below k's joint.
+// Returns whether coordinate j moves the motion subspace S_k of k, on the same chain: unless j's joint is below k's.
 bool moves_subspace(const Model& model, int j, int k) {
-  // Indices ascend along a chain, so that j belongs to an ancestor or to the same joint.
-  if (j <= k) return true;
+  if (j <= k) return true;  // j then belongs to an ancestor or to the same joint
   for (const Joint& joint : model.joints)
     if (k >= joint.idx_v && k < joint.idx_v + joint.nv()) return j < joint.idx_v + joint.nv();
   return false;

@@ -50,8 +50,7 @@ struct RobotWork {
   std::vector<Vec6<double>> f;
   std::vector<Inertia<double>> Yc;
   std::vector<double> M;
-  // Indices of (i, j) and (j, i) in the values of dtau_du (and dtau_dx), for each packed entry (i, ancestor j) of M.
-  std::vector<int> lower, upper;
+  std::vector<int> lower, upper;  // indices of (i, j), (j, i) in the values of dtau_du, per packed entry of M
 };
 
 struct ImpactData : ActuationDataAbstract {
@@ -139,8 +138,7 @@ void ImpactActuation::calcDiff(const DataPtr& data, const ConstVectorRef& x, con
       const double turned = i == j ? armature[robot.idx_v + i] - model.armature[i] : 0;
       by_u[w.lower[k]] = by_u[w.upper[k]] = scale * (w.M[k] + turned);
       by_x[w.upper[k]] = scale * w.derivatives.dq_upper[k];
-      // Overwrites dq_upper on the diagonal, which is intended.
-      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];
+      by_x[w.lower[k]] = scale * w.derivatives.dq_lower[k];  // overwrites dq_upper on the diagonal, as intended
     });
   }
 }
@@ -224,8 +222,7 @@ ActionDataImpulseFwdDynamics::ActionDataImpulseFwdDynamics(ActionModelImpulseFwd
       multibody(dynamics->multibody.get()) {
   const StateAbstract& state = *model->get_state();
   multibody->scene.gravity.setZero();
-  // Finite forces transmit no impulse and are left out.
-  if (has_applied_forces(multibody->scene)) {
+  if (has_applied_forces(multibody->scene)) {  // finite forces transmit no impulse
     drop_applied_forces(multibody->scene);
     multibody->solution = SceneData(multibody->scene, multibody->solution.options);
     dynamics->laid_out = false;

@@ -61,7 +61,6 @@ std::shared_ptr<StateVector> vectors(Eigen::Index nx) { return std::make_shared<
 Eigen::MatrixXd no_rows(Eigen::Index cols) { return Eigen::MatrixXd::Zero(0, cols); }
 Eigen::VectorXd zeros(Eigen::Index n) { return Eigen::VectorXd::Zero(n); }
 
-// Returns a matrix with random entries between -1 and 1.
 Eigen::MatrixXd random_matrix(std::size_t rows, std::size_t cols) {
   thread_local std::mt19937 rng(1);
   return Eigen::MatrixXd::NullaryExpr(rows, cols, [] { return std::uniform_real_distribution<double>(-1, 1)(rng); });

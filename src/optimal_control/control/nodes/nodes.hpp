@@ -44,13 +44,11 @@ void each_node(std::size_t threads, std::size_t count, Work&& work) {
 /// Calls work(t) on one thread if the last loop took less than kWorthAThread per thread, otherwise on all `threads`.
 template <class Work>
 void each_node(std::size_t threads, std::size_t count, LoopTime& last, Work&& work) {
-  // Least work per thread [s], which exceeds the time to wake a thread.
-  constexpr double kWorthAThread = 5e-5;
+  constexpr double kWorthAThread = 5e-5;  // least work per thread [s], which exceeds the time to wake a thread
   using Clock = std::chrono::steady_clock;
   if (threads <= 1) return each_node(1, count, work);
   const std::size_t used = last.seconds < kWorthAThread * static_cast<double>(threads) ? 1 : threads;
-  // Start of the calling thread's nodes, so that waiting for other threads is not measured.
-  Clock::time_point begin;
+  Clock::time_point begin;  // start of the calling thread's nodes, so that waiting for other threads is not measured
   each_node_by_thread(used, count, [&](std::size_t t, int thread) {
     if (t == 0) begin = Clock::now();
     work(t);

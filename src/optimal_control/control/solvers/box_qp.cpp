@@ -33,8 +33,7 @@ void BoxQP::sort_components(const Eigen::VectorXd& lb, const Eigen::VectorXd& ub
   }
 }
 
-// Computes dx = - Hff^-1 (qf + Hff xf + Hfc xc), with f the free and c the clamped components. Sets `gradient` to the
-// largest entry of the bracket.
+// Computes dx = - Hff^-1 (qf + Hff xf + Hfc xc) (f: free, c: clamped). `gradient`: largest entry of the bracket.
 bool BoxQP::newton_step(const Eigen::MatrixXd& H, const Eigen::VectorXd& q, double& gradient) {
   const std::vector<std::size_t>& free = solution_.free_idx;
   const Eigen::Index nf = static_cast<Eigen::Index>(free.size());

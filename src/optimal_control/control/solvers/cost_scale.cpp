@@ -11,13 +11,10 @@ namespace manycontact::internal {
 
 namespace {
 
-// Smallest Hessian of controls, and largest Hessian, for which the cost is not scaled.
-constexpr double kSmall = 1e-6, kLarge = 1e7;
-// Hessian of controls, and largest Hessian, after scaling
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls, largest Hessian, without scaling
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
 
-// The largest absolute values on the diagonals of Lxx (all) and Luu (controls).
-struct Sizes {
+struct Sizes {  // the largest absolute values on the diagonals of Lxx (all) and Luu (controls)
   double all = 0, controls = 0;
 };
 
@@ -50,8 +47,7 @@ void add_node(const ActionDataAbstract& data, Sizes& out) {
 }  // namespace
 
 CostScale cost_scale(const ShootingProblem& problem) {
-  // The smallest nonzero Hessian of controls of a node, and the largest Hessian of all nodes.
-  double controls = 0, all = 0;
+  double controls = 0, all = 0;  // smallest nonzero Hessian of controls of a node, largest Hessian of all nodes
   for (std::size_t t = 0; t <= problem.get_T(); ++t) {
     Sizes own;
     add_node(*problem.data(t), own);
@@ -68,8 +64,7 @@ CostScale cost_scale(const ShootingProblem& problem) {
     scale = all / kUsualAll;
   else if (all > kLarge)
     scale = all / kUsualAll;
-  // Ensures that no scaled Hessian exceeds kLarge.
-  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);
+  if (scale < 1) scale = std::min(std::max(scale, all / kLarge), 1.0);  // ensures that no scaled Hessian exceeds kLarge
   if (std::isfinite(scale) && scale != 1) out.cost = std::exp2(std::round(std::log2(scale)));
   return out;
 }

@@ -148,8 +148,7 @@ void SolverDDP::start(const Vectors& init_xs, const Vectors& init_us, bool is_fe
 bool SolverDDP::solve(const Vectors& init_xs, const Vectors& init_us, std::size_t maxiter, bool is_feasible,
                       double init_reg) {
   start(init_xs, init_us, is_feasible, init_reg);
-  // Reserves memory for the optimality test at the end.
-  if (judges_ && keeps_limits()) allocateDescent();
+  if (judges_ && keeps_limits()) allocateDescent();  // reserves memory for the optimality test at the end
   reason_ = iterate(0, maxiter);
   constexpr int kRounds = 3;
   for (int round = 0;; ++round) {
@@ -201,7 +200,6 @@ StopReason SolverDDP::iterate(std::size_t first, std::size_t maxiter) {
   return StopReason::kIterations;
 }
 
-// Computes a direction. Increases the regularisation until the backward pass succeeds.
 bool SolverDDP::findDirection(bool recalc) {
   const auto compute = [this](bool again) {
     // backwardPass sets it to false if it fails; an overridden computeDirection may not call backwardPass
@@ -282,10 +280,8 @@ double SolverDDP::calcDiff() {
   cost_ = problem_->calcDiff(xs_, us_);
   if (iter_ == 0 && measures_scale_) measureScale();
   ffeas_ = computeDynamicFeasibility();
-  // Limits apply only to feasible candidates.
-  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;
-  // Largest gaps, relative to the states, that may be rounding errors of another program.
-  constexpr double kRounded = 1e-12;
+  if (keeps_limits() && ffeas_ <= th_gaptol_) is_feasible_ = true;  // limits apply only to feasible candidates
+  constexpr double kRounded = 1e-12;  // largest gaps, relative to the states, that may be rounding errors
   // The caller may have declared a guess with gaps feasible.
   if (iter_ == 0 && is_feasible_)
     is_feasible_ = ffeas_ <= std::max(th_gaptol_, kRounded * internal::largest_number(xs_));
@@ -305,8 +301,7 @@ void SolverDDP::rollOut(double steplength, bool keep_gaps, bool keep_terminal_ga
   cost_try_ = 0;
   for (const auto& own : directions_) cost_try_ += own->cost_try_;  // NaN if any is NaN
   if (raiseIfNaN(cost_try_)) cost_try_ = std::numeric_limits<double>::quiet_NaN();
-  // This is thread-safe, because directions write different entries.
-  each_direction([this](Direction& own) {
+  each_direction([this](Direction& own) {  // thread-safe: directions write different entries
     for (std::size_t t = 0; t < xs_try_.size(); ++t) own.give_x(own.xs_try_[t], xs_try_[t]);
     own.give_u(own.us_try_, us_try_);
   });

@@ -3,8 +3,7 @@
 
 namespace manycontact {
 
-// Adds the terms of the gaps fs to DDP's expected improvement, where x are the tried states and Vxx is that of the last
-// backward pass:
+// Adds the terms of the gaps fs to DDP's expected improvement, with tried states x and the last backward pass's Vxx:
 //     dv = - sum fs^T Vxx (xs (-) x),    d0 = dg + dv,    d1 = dq - 2 dv
 const Eigen::Vector2d& SolverFDDP::expectedImprovement() {
   dv_ = 0;

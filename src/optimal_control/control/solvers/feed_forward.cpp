@@ -15,8 +15,7 @@ constexpr double kArmijo = 1e-4;             // least accepted share of the redu
 constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
 constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, relative to a rejected step length
 constexpr int kTrials = 12;
-// Two consecutive steps below kShort, or one step below kVeryShort, end descend.
-constexpr double kShort = 0.11, kVeryShort = 0.01;
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // two in a row below kShort, or one below kVeryShort, end descend
 
 }  // namespace
 
@@ -99,8 +98,7 @@ StopReason SolverDDP::descend(std::size_t maxiter) {
   require(is_feasible_, "SolverDDP::descend", "the candidate has gaps, a candidate without gaps is expected");
   interrupted_ = false;
   iter_ = 0;
-  // A larger regularisation would make `stop` smaller.
-  if (judges_) preg_ = dreg_ = reg_min_ * scale_;
+  if (judges_) preg_ = dreg_ = reg_min_ * scale_;  // a larger regularisation would make `stop` smaller
   if (!findDirection(true)) return reason_ = StopReason::kNoDirection;
   for (std::size_t t = 0; t < xs_.size(); ++t) xs_try_[t] = xs_[t];
   for (std::size_t t = 0; t < us_.size(); ++t) us_try_[t] = us_[t];

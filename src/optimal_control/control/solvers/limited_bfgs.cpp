@@ -7,8 +7,7 @@ namespace manycontact {
 
 namespace {
 
-// Smallest accepted s^T y / (|s| |y|), where the step s changes the gradient by y.
-constexpr double kLeastCurvature = 1e-10;
+constexpr double kLeastCurvature = 1e-10;  // smallest accepted s^T y / (|s| |y|) of a step s with gradient change y
 
 void add_scaled(double a, const LimitedBfgs::Vectors& x, LimitedBfgs::Vectors& to) {
   for (std::size_t t = 0; t < x.size(); ++t) to[t] += a * x[t];

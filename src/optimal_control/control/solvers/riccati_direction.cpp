@@ -103,15 +103,13 @@ bool RiccatiDirection::compute(double preg, double) {
   return true;
 }
 
-// Adds Vxx fs to Vx, unless the candidate has no gaps.
 void RiccatiDirection::add_gap(std::size_t t) {
   if (is_feasible_) return;
   Vxx_fs_[t].noalias() = value(t) * fs_[t];
   Vx_[t] += Vxx_fs_[t];
 }
 
-// Copies [fu fx] into riccati_. For symplectic Euler copies only the lower half, and returns the structure of the upper
-// half.
+// Copies [fu fx] into riccati_, for symplectic Euler only the lower half. Then returns the structure of the upper half.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -229,8 +227,7 @@ double RiccatiDirection::gap_improvement() {
   if (is_feasible_) return dv;
   const std::size_t T = k_.size();
   for (std::size_t k = 0; k <= T; ++k) {
-    // The terminal node comes first, as in Crocoddyl.
-    const std::size_t t = k == 0 ? T : k - 1;
+    const std::size_t t = k == 0 ? T : k - 1;  // the terminal node comes first, as in Crocoddyl
     part_.problem->model(t)->get_state()->diff(xs_try_[t], xs_[t], step_);
     dv -= Vxx_fs_[t].dot(step_);
   }
@@ -296,8 +293,7 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Solves with the complete Quu, because the box QP's inverse is zero for clamped controls. Then sets the entries of
-// controls at limits to zero.
+// Solves with all of Quu (the box QP's inverse is zero for clamped controls). Zeroes entries of controls at limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

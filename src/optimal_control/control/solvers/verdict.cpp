@@ -23,8 +23,7 @@ double kkt_residual_of(const ShootingProblem& problem, const Vectors& xs, const 
 // Returns the accepted excess of the cost over the optimum within limits: min(th_stop, 1e-9), but not below `rounding`.
 double optimality_gap(double th_stop, double rounding) { return std::max(std::min(th_stop, 1e-9), rounding); }
 
-// Restores a number at the end of the scope.
-struct Restore {
+struct Restore {  // restores a number at the end of the scope
   double &number, value;
   ~Restore() { number = value; }
 };
@@ -39,8 +38,7 @@ StopReason SolverDDP::judgeWithoutStep() {
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Returns whether the expected reduction is also small at the smallest regularisation. A larger regularisation shortens
-// every step.
+// Returns whether the expected reduction is also small at the least regularisation; a larger one shortens each step.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
@@ -76,8 +74,7 @@ StopReason SolverDDP::descendWithinLimits(std::size_t maxiter) {
   if (!stepped_) problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   const bool by_kkt = std::isfinite(th_kkt_), by_gap = judges_ && !by_kkt;
   const double rounding = std::numeric_limits<double>::epsilon() * std::abs(cost_) / scale_;
-  // Most rounds, each with one backward pass, and most consecutive rounds without gain.
-  constexpr int kRounds = 20, kIdle = 3;
+  constexpr int kRounds = 20, kIdle = 3;  // most rounds of one backward pass each, most in a row without gain
   double least = std::numeric_limits<double>::infinity();
   for (int round = 0, idle = 0; round < kRounds && idle < kIdle; ++round) {
     if (by_kkt) th_stop_ = std::max(1e-6 * restore.value * std::min(1.0, kkt_scale_ / scale_), rounding);

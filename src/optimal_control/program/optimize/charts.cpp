@@ -39,8 +39,7 @@ Json torques(const OptimizedTask& motion) {
   return out;
 }
 
-// Writes normal and tangential forces of contacts with three or more rows, and their cones' smallest friction
-// coefficients.
+// Writes normal and tangential forces of contacts with at least three rows, and their cones' smallest mu.
 void add_forces(const OptimizedTask& motion, Json& out) {
   const Scene& scene = motion.task.scene.scene;
   std::vector<std::vector<double>> normal(scene.contacts.size()), tangential(scene.contacts.size());

@@ -12,19 +12,16 @@ namespace {
 
 constexpr std::size_t kMostTorques = 6;
 
-// The largest torque of one joint, with the joint's limit and the time of this torque.
-struct Torque {
+struct Torque {  // the largest torque of one joint, with the joint's limit and the time of this torque
   std::string name;
   double u = 0, limit = 0, time = 0;
   double share() const { return std::isfinite(limit) && limit > 0 ? std::abs(u) / limit : 0; }
 };
 
-// The normal and tangential forces of a group of contacts over all nodes.
-struct Bore {
+struct Bore {  // the normal and tangential forces of a group of contacts over all nodes
   int nodes = 0;
   double least = INFINITY, most = 0;  // least and largest normal force [N]
-  // Largest ratio of tangential to normal force, and smallest friction coefficient of the cones.
-  double ratio = 0, mu = INFINITY;
+  double ratio = 0, mu = INFINITY;    // largest tangential/normal force, smallest mu of the cones
 };
 
 void add_force(const Eigen::Vector2d& pressure, double mu, Bore& bore) {

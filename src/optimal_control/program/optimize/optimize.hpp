@@ -25,8 +25,7 @@ struct OptimizedTask {
 /// Writes task, solution, findings and report as JSON to `path`. "-" is standard output. Throws InputError on failure.
 void write_json(const OptimizedTask& motion, const std::string& path);
 
-/// Writes a CSV file with the columns of `simulate` and one row per node. Impacts have no row, because they have the
-/// time of the next node.
+/// Writes a CSV file with the columns of `simulate`, a row per node except impacts, which have the next node's time.
 void write_trajectory(const OptimizedTask& motion, const std::string& path);
 
 /// Writes t and one column per torque (u:robot/joint), one row per node. `simulate --torques` reads this file.
@@ -34,8 +33,7 @@ void write_torques(const OptimizedTask& motion, const std::string& path);
 /// Writes t and the columns of `simulate --forces`, one row per node, with zeros for open contacts.
 void write_forces(const OptimizedTask& motion, const std::string& path);
 
-/// Draws convergence, torques and forces as .svg and .png files in the folder, from its charts.json. Throws as
-/// run_python does.
+/// Draws convergence, torques, forces as .svg and .png in the folder, from charts.json. Throws as run_python does.
 void draw_charts(const OptimizedTask& motion, const std::string& folder);
 
 /// Records the states as frames of a view, with the torques and friction cones of the task.

@@ -7,8 +7,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// Most costs that are printed, and most findings of a kind that are printed.
-constexpr std::size_t kMostCosts = 12, kMostFindings = 6;
+constexpr std::size_t kMostCosts = 12, kMostFindings = 6;  // most costs, and most findings of a kind, in the summary
 
 // Prints the findings of one kind, for example "closes: LF ...; LH ...; and 3 more".
 void print_kind(std::ostream& out, const std::string& title, const std::vector<const PlanFinding*>& findings) {

@@ -69,8 +69,7 @@ void record_motion(const OptimizedTask& motion, Recording& recording) {
     if (motion.nodes[t].impact) continue;
     ViewState state{motion.nodes[t].time, s.xs[t].head(scene.nq), s.xs[t].tail(scene.nv),
                     flags(phase_at(task, motion.nodes[t]).active)};
-    // The terminal node has no torques, and therefore no forces.
-    if (t < s.us.size()) state.u = s.us[t];
+    if (t < s.us.size()) state.u = s.us[t];  // the terminal node has no torques or forces
     add_state(state, recording);
   }
 }

@@ -10,10 +10,9 @@
 //
 //     u_i = us_i + s du_i - K_i (x_i (-) xs_i - s dx_i)
 //
-// At the states of the linear model, x = xs (+) s dx, the controls are us + s du as in SolverFDDP. The feedback of the
-// deviation from the linear model differs, and therefore steps differ to second order. The number of iterations may
-// differ, the solution does not. Gaps are multiplied by (1 - s) as in FDDP. The expected reduction of the cost is that
-// of the linear-quadratic problem without the regularisation,
+// At the linear model's states x = xs (+) s dx the controls are us + s du as in SolverFDDP; elsewhere steps differ to
+// second order. The number of iterations may differ, the solution does not. Gaps are multiplied by (1 - s) as in FDDP.
+// The expected reduction of the cost is that of the linear-quadratic problem without the regularisation,
 //
 //     s (d0 + s d1 / 2),    d0 = -(q^T dx + r^T du + r_w^T dw),    d1 = -[dx; du; dw]^T H [dx; du; dw],
 //
@@ -25,8 +24,7 @@
 
 namespace manycontact {
 
-/// A direction for coupled subproblems. get_Vx returns the multipliers of the states' equations at the full step, and
-/// get_k returns -du.
+/// A direction for coupled subproblems. get_Vx: multipliers of the states' equations at the full step; get_k: -du.
 class CoupledDirection : public Direction {
  public:
   /// Returns whether all nodes of the problem have couplings between the same subproblems.
@@ -35,19 +33,16 @@ class CoupledDirection : public Direction {
 
   const char* name() const override { return solver_->name(); }
   std::vector<int> blocks() const override;
-  /// Returns the gains of the clusters (lq/plan.hpp) of node t.
-  std::vector<Gains> gains(std::size_t t) const override;
+  std::vector<Gains> gains(std::size_t t) const override;  // gains of the clusters (lq/plan.hpp)
   const lq::Problem& problem_of_direction() const { return lq_; }
   const lq::Point& solution_of_direction() const { return z_; }
   const lq::Outcome& outcome() const { return outcome_; }
 
   void resize() override;
-  /// Computes the direction. Returns false also if the KKT error exceeds lq::kAccurate, as for inconsistent couplings.
-  bool compute(double preg, double dreg) override;
+  bool compute(double preg, double dreg) override;  // false also if the KKT error exceeds lq::kAccurate
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
-  /// Override RiccatiDirection's functions. They use the clusters' gains K, and the coupled Hessian instead of
-  /// diag(Quu).
+  /// Override RiccatiDirection's functions with the clusters' gains K, and the coupled Hessian instead of diag(Quu).
   void set_feed_forward(const Vectors& nu) override;
   void feed_forward_gradient(Vectors& g) override;
   void precondition_feed_forward(Vectors& g) override;
@@ -63,8 +58,7 @@ class CoupledDirection : public Direction {
   lq::Problem lq_;
   lq::Layout layout_;
   std::unique_ptr<lq::DirectionSolver> solver_;
-  // The recursion in solver_ that contains the gains of the clusters.
-  const lq::Riccati* policies_ = nullptr;
+  const lq::Riccati* policies_ = nullptr;  // the recursion in solver_ that contains the gains of the clusters
   lq::Point z_;
   lq::Outcome outcome_;
   Eigen::Vector2d improvement_ = Eigen::Vector2d::Zero();

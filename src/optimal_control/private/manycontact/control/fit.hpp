@@ -13,7 +13,6 @@ void fit(Matrix& x, Eigen::Index rows, Eigen::Index cols = 1) {
   if (x.rows() != rows || x.cols() != cols) x.setZero(rows, cols);
 }
 
-/// Resizes each of the lists to `count` vectors of the given size.
 template <class... Lists>
 void fit_all(std::size_t count, std::size_t size, Lists&... lists) {
   (lists.resize(count), ...);

@@ -22,8 +22,7 @@ class RiccatiDirection : public Direction {
   /// Make the step of node t from the value function of node t + 1. compute_action_value_function must be called first,
   /// then compute_gains, then compute_value_function. In another order they throw std::invalid_argument.
   void compute_action_value_function(std::size_t t, const ActionModelAbstract& model, const ActionDataAbstract& data);
-  /// Computes the gains of node t. Returns false if Quu is not positive definite.
-  virtual bool compute_gains(std::size_t t);
+  virtual bool compute_gains(std::size_t t);  // returns false if Quu is not positive definite
   void compute_value_function(std::size_t t);
 
   const std::vector<Eigen::MatrixXd>& get_Vxx() const { return Vxx_; }
@@ -45,8 +44,7 @@ class RiccatiDirection : public Direction {
  protected:
   void step_control(std::size_t t, double steplength) override;
   virtual void limit_control(std::size_t) {}  // clamps us_try[t] to the limits
-  /// Sets gradient entries of node t to zero for controls at limits that a descent would exceed. Records these
-  /// controls.
+  /// Records the controls of node t at limits that a descent would exceed, and sets their gradient entries to zero.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
   std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
@@ -61,9 +59,8 @@ class RiccatiDirection : public Direction {
   bool keeps_values_;
   double preg_ = 0;
   std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
-  // Vxx of nodes t and t + 1, if keeps_values_ is false
-  Eigen::MatrixXd two_values_[2];
-  Vectors Vxx_fs_, Quuk_;  // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
+  Eigen::MatrixXd two_values_[2];           // Vxx of nodes t and t + 1, if keeps_values_ is false
+  Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);
@@ -90,9 +87,8 @@ class BoxDirection : public RiccatiDirection {  // A direction within the models
  private:
   BoxQP qp_;
   std::vector<Eigen::MatrixXd> Quu_inv_;
-  Eigen::VectorXd du_lb_, du_ub_;  // bounds of du at the current node
-  // Flags of the controls of each node that were at a limit in the last gradient.
-  std::vector<std::vector<bool>> held_;
+  Eigen::VectorXd du_lb_, du_ub_;        // bounds of du at the current node
+  std::vector<std::vector<bool>> held_;  // flags of each node's controls at a limit in the last gradient
 };
 
 }  // namespace manycontact

@@ -1,8 +1,7 @@
 #pragma once
-// Factorizes a sparse symmetric matrix of dense blocks as S = L D L^T. D is diagonal, and has the given sign (+1 or -1)
-// of each diagonal block, so that the pivot block times its sign has a Cholesky factor. The factor exists in every
-// order of elimination if S is quasi-definite (Vanderbei 1995): positive definite for sign +1, negative definite for
-// sign -1.
+// Factorizes a sparse symmetric matrix of dense blocks as S = L D L^T. D is diagonal with the given sign (+1 or -1) of
+// each diagonal block. The factor exists in every order of elimination if S is quasi-definite (Vanderbei 1995):
+// positive definite for sign +1, negative definite for sign -1.
 
 #include <Eigen/Core>
 #include <utility>
@@ -33,8 +32,7 @@ class BlockCholesky {
 
   /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, or -1.
   [[nodiscard]] int factorize(double least);
-  // Replaces x by S^-1 x, where x is ordered by vertex.
-  void solve(Eigen::VectorXd& x) const;
+  void solve(Eigen::VectorXd& x) const;  // replaces x by S^-1 x, where x is ordered by vertex
 
   int size() const { return start_.empty() ? 0 : start_.back(); }
   int start(int v) const { return start_[v]; }
@@ -58,7 +56,6 @@ class BlockCholesky {
   Eigen::VectorXd largest_;  // workspace
 };
 
-/// Returns the number of operations of factorize.
 double block_cholesky_flops(const std::vector<BlockCholesky::Vertex>& vertices,
                             const std::vector<std::pair<int, int>>& edges);
 

@@ -24,14 +24,12 @@ struct BlockDiagonal {
   std::vector<Part> parts;  // ascending
 };
 
-// Each function computes C <- beta C + (the product in its comment), where beta is 0 or 1. C must differ from the other
-// arguments.
+// Each function computes C <- beta C + (the product in its comment), beta 0 or 1. C must not alias other arguments.
 void add_DX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);   // D X
 void add_DtX(Block C, double beta, const BlockDiagonal& D, ConstBlock X);  // D^T X
 void add_XD(Block C, double beta, ConstBlock X, const BlockDiagonal& D);   // X D
 void add_XDt(Block C, double beta, ConstBlock X, const BlockDiagonal& D);  // X D^T
 
-/// Replaces X by D^T X.
-void multiply_Dt(const BlockDiagonal& D, Block X);
+void multiply_Dt(const BlockDiagonal& D, Block X);  // replaces X by D^T X
 
 }  // namespace manycontact::lq

@@ -9,8 +9,7 @@ namespace manycontact::lq {
 struct Prediction {
   double dense, islands, coupling_schur;  // operations of factorize
 };
-/// Predicts the operations of the three methods from the sizes, groups and couplings of the problem.
-Prediction predict(const Problem& problem);
+Prediction predict(const Problem& problem);  // operations predicted from sizes, groups and couplings
 
 /// Returns a solver on which analyse(problem) was called. It is Riccati by islands, which is dense if all blocks are
 /// coupled, or CouplingSchur if this costs less, or if the terminal knot has more equations than variables w.

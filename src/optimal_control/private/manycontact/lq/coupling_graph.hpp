@@ -6,8 +6,7 @@
 
 namespace manycontact::lq {
 
-/// The w or the mu of one coupling, as a part of the vector y of one cluster in one knot.
-struct CouplingPart {
+struct CouplingPart {  // the w or the mu of one coupling, as a part of the vector y of one cluster in one knot
   int coupling;
   bool is_w;
   int at, size;        // offset and size in the cluster's y of the knot
@@ -39,7 +38,6 @@ struct CouplingGraph {
 /// Lists the couplings. The plan must be made with Join::kNoCouplings.
 CouplingGraph make_coupling_graph(const Problem& problem, const Plan& plan);
 
-/// Returns the predicted number of operations of CouplingSchur::factorize.
 double coupling_schur_flops(const Problem& problem, const Plan& plan, const CouplingGraph& graph);
 
 }  // namespace manycontact::lq

@@ -30,9 +30,7 @@ class CouplingSchur : public DirectionSolver {
   const char* name() const override { return "Schur complement of couplings"; }
   double flops() const override { return flops_; }
 
-  /// Returns the Riccati recursions of the clusters. Their policies are feedback about the solution at constant w and
-  /// mu.
-  const Riccati& clusters() const { return riccati_; }
+  const Riccati& clusters() const { return riccati_; }  // policies: feedback about the solution at constant w, mu
 
  protected:
   void do_analyse(const Problem& problem) override;
@@ -52,9 +50,8 @@ class CouplingSchur : public DirectionSolver {
   BlockCholesky schur_;
   double flops_ = 0;
 
-  // Workspace of the current cluster. F_, pi_ and theta_ have one entry per knot.
   bool by_steps_ = false;
-  std::vector<std::vector<double>> F_, pi_, theta_;
+  std::vector<std::vector<double>> F_, pi_, theta_;  // one entry per knot of the current cluster
   std::vector<double> W_, FW_, Gx_, Gu_, E_, PE_, Y_, S_, U_, V_, Z_, Z_next_;
 
   Point terms_;

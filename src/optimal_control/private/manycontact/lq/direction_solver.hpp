@@ -45,8 +45,7 @@ class DirectionSolver {
   [[nodiscard]] Outcome solve(const Problem& problem, Point& z);
 
   virtual const char* name() const = 0;
-  /// Returns the predicted operations (additions and multiplications) of factorize, without the effect of Group::steps.
-  virtual double flops() const = 0;
+  virtual double flops() const = 0;  // predicted operations of factorize, without Group::steps
 
   int max_refinements = 3;  // largest number of corrections by iterative refinement
 

@@ -8,18 +8,15 @@ namespace manycontact::lq {
 /// Sets h, which contains q in x, r in u and w, x0 and f of the knots 0 ... T-1 in lambda, and d in mu.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
-/// Computes residual = H z + h. Returns the largest relative error of an equation, which is |residual| divided by the
-/// largest sum of |terms| of the equations of its block in its knot (0 / 0 is 0). NaN if a term is NaN. scale:
-/// workspace.
+/// Computes residual = H z + h. Returns the largest relative error of an equation: |residual| over the largest sum of
+/// |terms| in its block and knot (0 / 0 is 0), or NaN if a term is NaN. scale: workspace.
 double kkt_residual(const Problem& problem, const Layout& layout, const Regularisation& reg, const Point& z,
                     Point& residual, Point& scale);
 
-/// Returns the error that kkt_residual returns. Allocates the workspace in each call.
 double kkt_error(const Problem& problem, const Point& z, const Regularisation& reg = {});
 
-/// The change of the cost without regularisation, cost(z) - cost(0) = linear + quadratic / 2, where z is the optimum of
-/// the problem with the regularisation `reg`. cost_change uses the optimality conditions, and no products with
-/// matrices.
+/// The change of the cost without regularisation, cost(z) - cost(0) = linear + quadratic / 2, at the optimum z with
+/// `reg`. cost_change uses the optimality conditions, and no products with matrices.
 struct Change {
   double linear = 0, quadratic = 0;
 };

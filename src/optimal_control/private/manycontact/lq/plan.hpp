@@ -19,9 +19,8 @@ struct Member {  // A group of a cluster.
   std::vector<Piece> rows;  // equations of the couplings within the cluster
 };
 
-/// A set of blocks that are joined in this knot or later, and therefore have a common value function. Its state
-/// consists of the members' states. Its controls v are the members' u, then the variables w of the couplings within the
-/// cluster.
+/// A set of blocks that are joined in this knot or later, and have a common value function. Its state stacks the
+/// members' states; its controls v are the members' u, then the w of the couplings within it.
 struct Cluster {
   std::vector<int> blocks;   // listed in the order of the members
   std::vector<int> x_start;  // start of each block in the cluster's x
@@ -44,7 +43,6 @@ enum class Join {
 using Plan = std::vector<std::vector<Cluster>>;  // one entry per knot
 Plan make_plan(const Problem& problem, Join join);
 
-/// Returns the number of operations of the Riccati recursion over the plan.
 double riccati_flops(const Problem& problem, const Plan& plan);
 
 }  // namespace manycontact::lq

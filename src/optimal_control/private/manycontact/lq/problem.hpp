@@ -40,17 +40,15 @@ struct SymplecticStructure {
 /// and nv = nu + nw. Q and R must be symmetric, because entries of both triangles are read.
 struct Group {
   std::vector<int> blocks;
-  // Indices in the knot of the group's couplings, in the order of v_g and of the rows of C.
-  std::vector<int> couplings;
+  std::vector<int> couplings;  // indices in the knot, in the order of v_g and of the rows of C
 
-  Eigen::MatrixXd Q, S, R;  // nx x nx, nx x nv, nv x nv
-  Eigen::VectorXd q, r;     // nx, nv
-  Eigen::MatrixXd A, B;     // nx x nx, nx x nv; unused in the terminal knot
-  Eigen::VectorXd f;        // nx: the gap, in a step of Newton's method
-  // Structure of A and B, if it is known; A and B contain all entries in any case.
-  std::optional<SymplecticStructure> steps;
-  Eigen::MatrixXd C, D;  // nc x nx, nc x nv
-  Eigen::VectorXd d;     // nc
+  Eigen::MatrixXd Q, S, R;                   // nx x nx, nx x nv, nv x nv
+  Eigen::VectorXd q, r;                      // nx, nv
+  Eigen::MatrixXd A, B;                      // nx x nx, nx x nv; unused in the terminal knot
+  Eigen::VectorXd f;                         // nx: the gap, in a step of Newton's method
+  std::optional<SymplecticStructure> steps;  // structure of A and B, if known; A and B are complete in any case
+  Eigen::MatrixXd C, D;                      // nc x nx, nc x nv
+  Eigen::VectorXd d;                         // nc
 };
 
 struct Coupling {
@@ -78,8 +76,7 @@ void set_zero(Problem& problem);
 /// Throws std::invalid_argument, whose message names knot and group, if sizes, partition or couplings do not fit.
 void check(const Problem& problem);
 
-/// Offsets of blocks and couplings in the vectors of a Point. Each list ends with the total size.
-struct Layout {
+struct Layout {  // Offsets of blocks and couplings in the vectors of a Point. Each list ends with the total size.
   std::vector<int> x, u;                  // offsets of each block
   std::vector<std::vector<int>> w, rows;  // offsets by knot, then by coupling
 

@@ -23,8 +23,7 @@ namespace manycontact::lq {
 
 class Riccati : public DirectionSolver {  // The Riccati recursion, dense or by clusters.
  public:
-  /// The policy of a cluster in a knot. factorize computes K and P; solve computes k and p.
-  struct Policy {
+  struct Policy {       // The policy of a cluster in a knot. factorize computes K and P; solve computes k and p.
     Eigen::MatrixXd K;  // (nv + rows) x nx: [v; mu] = K x + k, whose first nu rows are u
     Eigen::VectorXd k;
     Eigen::MatrixXd P;  // nx x nx
@@ -67,8 +66,7 @@ class Riccati : public DirectionSolver {  // The Riccati recursion, dense or by 
   Plan plan_;
   double flops_ = 0;
   std::vector<std::vector<Policy>> policies_;
-  // k and p of the current solve or correction, by knot and cluster
-  std::vector<std::vector<Eigen::VectorXd>> k_, p_;
+  std::vector<std::vector<Eigen::VectorXd>> k_, p_;  // k and p of the current solve or correction, by knot and cluster
   std::vector<int> x_of_block_;
   RiccatiStep step_;                      // workspace of the current cluster
   std::vector<double> next_, with_rows_;  // workspace

@@ -13,9 +13,8 @@ namespace manycontact {
 void join_ends(const Contact& contact, sparse::UnionFind& sets);
 /// Joins the given robots, or all robots of the scene if the list is empty.
 void join_robots(const Scene& scene, const std::vector<int>& robots, sparse::UnionFind& sets);
-/// Divides the task's robots into sets. Each is in ascending order, and they are ordered by their first robots. `join`
-/// is called for each phase and the terminal node, and joins robots in `sets`. A spring also joins the robots at its
-/// ends.
+/// Divides the task's robots into sets, each ascending, ordered by first robot. `join` joins robots in `sets` for each
+/// phase and the terminal node. A spring also joins the robots at its ends.
 using JoinRobots = std::function<void(const TaskPhase& phase, sparse::UnionFind& sets)>;
 std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRobots& join);
 

@@ -10,37 +10,29 @@ namespace manycontact {
 struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
-  double time = 0;  // s
-  // Height [m] of A's origin above its reference along the world's z, or for two bodies the distance of the frames.
-  double above = 0;
-  // Horizontal distance [m] of A's origin from its reference.
-  double aside = 0;
-  // Speed [m/s] of A's origin relative to B'.
-  double speed = 0;
-  // Whether the frames are fixed where they are, and not at the scene's placement (TaskPhase::at_scene).
-  bool holds_there = true;
+  double time = 0;   // s
+  double above = 0;  // height [m] of A's origin above its reference (world's z), or distance of two bodies' frames
+  double aside = 0;  // horizontal distance [m] of A's origin from its reference
+  double speed = 0;  // speed [m/s] of A's origin relative to B'
+  bool holds_there = true;  // frames are fixed where they are, not at the scene's placement (TaskPhase::at_scene)
 };
-/// Returns the closings in the order of time. In a step forward, `aside` is nonzero. If a contact closes in the air,
-/// `above` is nonzero.
+/// Returns the closings by time. In a step forward `aside` is nonzero; if a contact closes in the air, `above` is.
 std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
 
 struct PlanLimit {  // A coordinate beyond a limit of the robot's file, at the node where it is furthest beyond.
   LimitPassed limit;
   std::size_t node = 0;
 };
-/// Returns the exceeded limits of position, velocity and effort, with each coordinate's value furthest beyond its
-/// limit.
+/// Returns exceeded limits of position, velocity and effort, each with the coordinate's value furthest beyond.
 std::vector<PlanLimit> limits_passed(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs,
                                      const std::vector<Eigen::VectorXd>& us);
 
 struct PlanCost {  // A <cost> of the task, summed over all phases and all copies of robots.
   std::string name;
   TaskResidual residual = TaskResidual::kState;
-  double cost = 0;  // sum over all nodes, with the solver's weights
-  // Whether the residual is a place or an orientation: frame_placement, _translation, _rotation, com.
-  bool is_goal = false;
-  // |r| [m, rad] of a goal, for the worst copy at the last node that has the cost
-  double missed = 0;
+  double cost = 0;       // sum over all nodes, with the solver's weights
+  bool is_goal = false;  // whether the residual is frame_placement, _translation, _rotation or com
+  double missed = 0;     // |r| [m, rad] of a goal, for the worst copy at the last node with the cost
   std::size_t node = 0;
 };
 /// Returns the costs at the problem's last calc, largest first. Their sum is the total cost.

@@ -43,8 +43,7 @@ class ResidualModelRows : public ResidualOfInner {  // r_i = inner_(rows_i)
   void print(std::ostream& os) const override { os << rows_.size() << " rows of " << *inner_; }
 
  private:
-  // row_of_: index in rows_ of each row of the inner residual, or -1 if the row is left out
-  std::vector<int> rows_, row_of_;
+  std::vector<int> rows_, row_of_;  // row_of_: index in rows_ of each row of the inner residual, or -1
 };
 
 /// Expresses a residual in the axes of a copied robot, r = X r_inner. Weights and bounds apply along these axes.

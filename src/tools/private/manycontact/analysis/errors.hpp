@@ -25,9 +25,8 @@ double largest_entry(const X& x) {
   return out;
 }
 
-/// Returns the deviations of accelerations per robot (a, truth: scene.nv, [m/s^2, rad/s^2]), relative to the larger of
-/// |truth| and |at_least|. at_least (scene.nv, or empty) is for robots at rest, whose accelerations are rounding
-/// errors.
+/// Returns the deviations of accelerations per robot (a, truth: nv, [m/s^2, rad/s^2]), relative to the larger of
+/// |truth| and |at_least|. at_least (nv, or empty) is for robots at rest, whose accelerations are rounding errors.
 template <class S>
 std::vector<Deviation> acceleration_deviations(const Scene& scene, const Eigen::VectorXd& a, const VecX<S>& truth,
                                                const Eigen::VectorXd& at_least = {}) {

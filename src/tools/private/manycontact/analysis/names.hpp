@@ -8,8 +8,7 @@
 
 namespace manycontact {
 
-/// The body of an attachment. Everything that cannot move is the world, {-1, -1}.
-struct Body {
+struct Body {  // The body of an attachment. Everything that cannot move is the world, {-1, -1}.
   int robot = -1, joint = -1;
   auto operator<=>(const Body&) const = default;
 };
@@ -20,15 +19,12 @@ Body body_of(const Attachment& attachment);
 /// mean of the origins, or the body's joint. Throws std::invalid_argument if there is no attachment.
 std::string place_name(const Scene& scene, const std::vector<const Attachment*>& on_body);
 
-/// Returns robot names such as "a, b, beam", at most four. More than three consecutive robots with the same model are
-/// abbreviated as "ring0 .. ring15".
+/// Returns at most four robot names ("a, beam"). Over three consecutive ones of one model become "ring0 .. ring15".
 std::string robot_names(const Scene& scene, const std::vector<int>& robots);
 
-/// Returns contact names such as "left, right", at most four. More than three consecutive contacts of the scene are
-/// abbreviated as "left_1 .. left_4".
+/// Returns at most four contact names ("left, right"). More than three consecutive ones become "left_1 .. left_4".
 std::string contact_names(const Scene& scene, const std::vector<int>& contacts);
 
-/// Returns the name of a contact row, such as "left[2]".
-std::string row_name(const Contact& contact, int row);
+std::string row_name(const Contact& contact, int row);  // returns the name of a contact row, such as "left[2]"
 
 }  // namespace manycontact

@@ -9,18 +9,16 @@
 
 namespace manycontact {
 
-/// A set of rows that imposes the same constraint as all contacts between two bodies.
-enum class Holds {
-  kEach,        // every row is independent
-  kOneContact,  // one of the contacts alone imposes it
-  kSixD,        // one 6D contact anywhere on the body imposes it
-  kThreeD,      // one 3D contact at the contacts' common point imposes it
-  kLine,        // points on a line constrain five motions, as no single contact type does
-  kFewerRows,   // some of the rows impose it; see IslandRanks::redundant
+enum class Holds {  // a set of rows that imposes the same constraint as all contacts between two bodies
+  kEach,            // every row is independent
+  kOneContact,      // one of the contacts alone imposes it
+  kSixD,            // one 6D contact anywhere on the body imposes it
+  kThreeD,          // one 3D contact at the contacts' common point imposes it
+  kLine,            // points on a line constrain five motions, as no single contact type does
+  kFewerRows,       // some of the rows impose it; see IslandRanks::redundant
 };
 
-/// All active contacts between the same two bodies.
-struct BodyPair {
+struct BodyPair {                // all active contacts between the same two bodies
   Body A, B;                     // A is a body that can move
   std::string place_A, place_B;  // place_name of the contacts' ends
   std::vector<int> contacts;     // scene numbers of the contacts, ascending
@@ -36,22 +34,19 @@ struct Lighter {
   int only_just = 0;  // number of rows beyond `rank` that are nearly dependent (analysis/near_dependent.hpp)
 };
 
-struct IslandRanks {  // Result of find_ranks for one island.
-  // Whether rank and redundant are computed; they are not if the island is too large.
-  bool known = false;
+struct IslandRanks {            // Result of find_ranks for one island.
+  bool known = false;           // whether rank and redundant are computed; they are not if the island is too large
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: whether it depends on the rows before it
   std::vector<BodyPair> pairs;  // sorted by their first contacts
   std::vector<Lighter> lighter;
 };
 
-/// Finds an island's ranks after a solve, whatever its status. If nv nc^2 exceeds 3e9, only the ranks of body pairs are
-/// computed, and `known` is false. If the island is too deep to store J, nothing is computed. Throws std::logic_error
-/// before a solve.
+/// Finds an island's ranks after a solve of any status; throws std::logic_error before a solve. Computes only the ranks
+/// of body pairs if nv nc^2 exceeds 3e9 (`known` is then false), and none if the island is too deep to store J.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
-/// Names of an island's rows, and of its contacts without the redundant rows.
-struct RowSelection {
+struct RowSelection {                  // names of an island's rows, and of its contacts without the redundant rows
   std::vector<std::string> redundant;  // "left_2[1]"
   std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]"
   std::vector<std::string> dropped;    // contacts of which no row is left
@@ -73,8 +68,7 @@ std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std:
 
 namespace internal {
 
-/// The norm of each row's component orthogonal to the preceding independent rows, divided by the row's scale
-/// (rank/row_size.hpp).
+/// The norm of each row's part orthogonal to preceding independent rows, divided by its scale (rank/row_size.hpp).
 struct RowRemainders {
   std::vector<double> left;             // empty if J is not stored in joint space
   double dependent = tolerance::kRank;  // rows with remainders up to this threshold are dependent; it is chosen

@@ -11,14 +11,12 @@ namespace manycontact {
 /// relative error bound of such a part, from estimate_errors, is above 1.
 struct Rounding {
   bool acceleration = false, forces = false;
-  /// Returns the names of the parts that are only rounding errors: "acceleration", "forces".
-  std::vector<std::string> names() const;
+  std::vector<std::string> names() const;  // parts that are only rounding errors: "acceleration", "forces"
 };
 
 /// Evaluates the error bounds of an island. Before estimate_errors, and without a solution, both flags are false.
 Rounding find_rounding(const IslandReport& report);
 
-/// Evaluates the error bounds of all islands.
 Rounding find_rounding(const Report& report);
 
 }  // namespace manycontact

@@ -13,8 +13,7 @@ std::string count(long n, const std::string& noun);
 std::string join(const std::vector<std::string>& names, std::size_t most = 12, const std::string& between = ", ",
                  const std::string& before_rest = " and ");
 
-/// Formats `x` with `digits` significant digits.
-std::string number(double x, int digits = 3);
+std::string number(double x, int digits = 3);  // formats `x` with `digits` significant digits
 
 /// Returns a text such as "5 m and 0.1 rad". Sizes below `negligible` are left out.
 std::string two_sizes(double first, const char* unit, double second, const char* unit_of_second, double negligible);

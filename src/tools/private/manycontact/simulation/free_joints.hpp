@@ -14,8 +14,7 @@ namespace manycontact::internal {
 /// Computes the acceleration a = -v / h - w x v with which a step ends at x = 0. v, a: nv. The term w x v, with w the
 /// angular velocity, is only in translations of free joints.
 void stop_in_a_step(const Scene& scene, const Eigen::VectorXd& v, double h, Eigen::VectorXd& a);
-/// Returns the derivative of w x v with respect to the velocity of a free joint, in the joint's coordinates; w and v
-/// are the angular and linear velocity.
+/// Returns the derivative of w x v with respect to the joint's velocity, which consists of w (angular) and v (linear).
 using OfFreeJoint = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, 6, 6>;
 OfFreeJoint derivative_of_turn(const Joint& joint, const ConstVectorRef& v);
 

@@ -30,17 +30,14 @@ namespace manycontact {
 struct FreeMotionDerivatives {
   FreeMotionDerivatives(const Scene& scene, const FreeGroups& groups, Eigen::Index n);
 
-  /// Derivatives of a group with respect to the n numbers.
-  struct OfGroup {
+  struct OfGroup {                  // derivatives of a group with respect to the n numbers
     std::vector<int> robots;        // robots with bodies of the group
     Eigen::MatrixXd next;           // 9 x n: derivatives of C+, P+, L+; set by differentiate_begin
     Eigen::MatrixXd h_q, h_v, C_q;  // 6, 6, 3 x nv: derivatives of the current P, L and C; only columns of `robots`
     Eigen::MatrixXd added;          // 9 x n: derivatives of C at the end and of the added u, w
   };
-  // One entry per group of FreeGroups::groups; empty for a group that is tied to the world.
-  std::vector<OfGroup> groups;
-  /// Inertia and momentum of the bodies of one group that a joint carries, about the group's reference point.
-  struct Carried {
+  std::vector<OfGroup> groups;  // one entry per group of FreeGroups::groups; empty for a group tied to the world
+  struct Carried {              // bodies of one group that a joint carries, about the group's reference point
     Inertia<double> Y;
     Vec6<double> h;
   };
@@ -48,9 +45,8 @@ struct FreeMotionDerivatives {
   Eigen::MatrixXd turned;        // 3 x n: workspace
 };
 
-/// Computes the derivatives of C+, P+, L+ of begin_free_motion with respect to [q v | w]. kin must still be at q, v.
-/// dtau_dx (nv x 2 nv) and dtau_dw (nv x nw) are derivatives of the torques tau(x, w) with x = (q, v). Allocates
-/// nothing.
+/// Computes the derivatives of C+, P+, L+ of begin_free_motion with respect to [q v | w]; kin must be at q, v. dtau_dx
+/// (nv x 2 nv) and dtau_dw (nv x nw) are derivatives of tau(x, w) with x = (q, v). Allocates nothing.
 void differentiate_begin(const Scene& scene, const Eigen::SparseMatrix<double>& dtau_dx,
                          const Eigen::SparseMatrix<double>& dtau_dw, const ConstVectorRef& tau, double h,
                          const std::vector<Kinematics<double>>& kin, FreeGroups& groups, FreeMotionDerivatives& d);

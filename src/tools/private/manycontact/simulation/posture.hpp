@@ -23,15 +23,13 @@ struct ClosestPosture {  // The configuration between two states that is nearest
 };
 
 struct PostureData {  // Smallest sigma of each island, and workspace for its solves.
-  /// Allocates memory for `scene`. `options` are those of the solves.
-  explicit PostureData(const Scene& scene, const Options& options = {});
+  explicit PostureData(const Scene& scene, const Options& options = {});  // options: those of the solves
 
   SceneAtRest rest;
   SceneData dynamics;
-  // Flags of the contacts that were active at the last state.
-  std::vector<char> active;
-  bool known = false;    // whether w, x, sigma belong to the last state
-  Eigen::VectorXd w, x;  // rows of f; nv
+  std::vector<char> active;  // flags of the contacts that were active at the last state
+  bool known = false;        // whether w, x, sigma belong to the last state
+  Eigen::VectorXd w, x;      // rows of f; nv
   Eigen::VectorXd asked, Jx, scratch;
   std::vector<double> sigma, largest;  // one entry per island: sigma at the last state; its maximum so far
 };

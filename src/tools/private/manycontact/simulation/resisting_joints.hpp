@@ -17,50 +17,38 @@
 
 namespace manycontact::internal {
 
-/// The largest number of solves in a step in which Newton's method finds the sticking joints.
-constexpr int kMostSolves = 50;
-/// A joint sticks below this speed [rad/s, m/s].
-constexpr double kStickVelocity = 1e-6;
+constexpr int kMostSolves = 50;          // most solves per step in which Newton's method finds the sticking joints
+constexpr double kStickVelocity = 1e-6;  // a joint sticks below this speed [rad/s, m/s]
 
 struct ResistingJoints {
   explicit ResistingJoints(const Scene& scene);
 
   // These members have one entry per velocity coordinate.
-  Eigen::VectorXd damping;   // N m s / rad
-  Eigen::VectorXd friction;  // N m
-  // 0: the joint sticks; 1 or -1: it slides in the positive or negative direction
-  std::vector<signed char> slip;
+  Eigen::VectorXd damping;        // N m s / rad
+  Eigen::VectorXd friction;       // N m
+  std::vector<signed char> slip;  // 0: the joint sticks; 1 or -1: it slides in the positive or negative direction
   Eigen::VectorXd added, to_add;  // h d + h^2 k of the last factorization, and of this step
   Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
-  // kept: share of v that joint springs do not resist; kept_k: h^2 k times this share
-  Eigen::VectorXd kept, kept_k;
-  std::vector<int> rubbing;  // coordinates with friction
+  Eigen::VectorXd kept, kept_k;   // kept: share of v that joint springs do not resist; kept_k: h^2 k times this share
+  std::vector<int> rubbing;       // coordinates with friction
 
-  // Whether added inertias may change; then robots do not share models.
-  bool vary = false;
+  bool vary = false;                           // whether added inertias may change; then robots do not share models
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
-  // State of Newton's method per entry of `rubbing`: v and K (v - v0) before and after a solve.
-  bool begun = false;
-  Eigen::VectorXd speed, force, next_speed, next_force;
-  // island: number of the joint's island, each of which has its own line search; order: `rubbing` sorted by island
-  std::vector<int> island, order;
+  bool begun = false;  // whether Newton's method has begun in this step, so that the next line is set
+  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; both after a solve
+  std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
-  /// Computes to_add for steps of size h.
-  void find(const Scene& scene, const PdLaws& pd, double h);
+  void find(const Scene& scene, const PdLaws& pd, double h);  // computes to_add for steps of size h
   /// Returns the scene with to_add in its armatures, without dampers and friction.
   Scene with_inertias(const Scene& scene);
-  /// Returns whether the scene that with_inertias made still fits to_add. If not, call with_inertias again.
-  bool fits(const Scene& scene) const;
+  bool fits(const Scene& scene) const;  // whether the scene that with_inertias made still fits to_add
 
-  /// Sets the inertias of joints that stick. Must be called before each solve.
-  void set_inertias(const Scene& scene, double h);
-  /// Returns the inertia that is added to coordinate i.
-  double inertia(int i, double h) const {
+  void set_inertias(const Scene& scene, double h);  // to be called before each solve, for joints that stick
+  double inertia(int i, double h) const {           // added to coordinate i
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
-  /// Returns the part of inertia(i, h) that resists v.
-  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }
+  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }  // part of inertia that resists v
   /// Subtracts scale times the friction force of sliding joints from b (nv).
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
@@ -74,7 +62,6 @@ void add_stiffness(const Scene& scene, const PdLaws& pd, double scale, Eigen::Ve
 /// Adds the torques kp (q_ref - q) + kd (v_ref - v) of the PD laws to tau (nv).
 void add_pd_torques(const Scene& scene, const PdLaws& pd, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                     Eigen::VectorXd& tau);
-/// Throws std::invalid_argument unless data.pd fits the scene.
-void check_pd(const Scene& scene, const PdLaws& pd);
+void check_pd(const Scene& scene, const PdLaws& pd);  // throws std::invalid_argument unless data.pd fits the scene
 
 }  // namespace manycontact::internal

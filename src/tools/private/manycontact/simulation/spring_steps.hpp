@@ -25,10 +25,9 @@ SpringMobilities spring_mobilities(const Scene& scene, const PdLaws& pd, const s
 double largest_spring_step(Integrator integrator, double k, double c);
 
 struct SpringStep {
-  int spring = -1;  // index in Scene::springs; -1: none
-  // Index in v of a joint with springs, dampers, a PD law or friction; -1: none.
-  int coordinate = -1;
-  double largest = 0;  // largest step [s]
+  int spring = -1;      // index in Scene::springs; -1: none
+  int coordinate = -1;  // index in v of a joint with springs, dampers, a PD law or friction; -1: none
+  double largest = 0;   // largest step [s]
   bool any() const { return spring >= 0 || coordinate >= 0; }
 };
 
