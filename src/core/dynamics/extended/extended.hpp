@@ -18,8 +18,7 @@ struct SceneData;
 struct ExtendedWork {
   explicit ExtendedWork(const Scene& scene);
 
-  /// Data of one island during refinement, and afterwards for its error bounds.
-  struct OfIsland {
+  struct OfIsland {                       // data of one island during refinement, and afterwards for its error bounds
     bool open = false;                    // whether the current iteration processes the island
     bool refined = false;                 // whether the island is to be refined; afterwards, whether it was
     bool converged = false;               // whether x has converged
@@ -46,12 +45,9 @@ struct ExtendedWork {
 
 namespace internal {
 
-/// Refines the current double solution, and replaces it in islands where refinement converged.
-void refine_extended(const Scene& scene, SceneData& data);
-/// Refines a copy of the current solution, of any precision.
-void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces the error bounds of islands whose refined copy converged by bounds from the distance to this copy. The
-/// caller must call summarise.
+void refine_extended(const Scene& scene, SceneData& data);  // refines, and replaces the double solution where converged
+void refine_for_bounds(const Scene& scene, SceneData& data);  // refines a copy of the current solution
+/// Sets error bounds of islands whose refined copy converged, from the distance to the copy. Call summarise afterwards.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

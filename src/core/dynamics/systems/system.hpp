@@ -28,8 +28,7 @@ struct ThreadWork;
 
 namespace internal {
 
-/// The accuracy of an island's a or f: the largest entry (size), its error bound (error), and the largest magnitude
-/// that the loads may cause (acts).
+/// The accuracy of an island's a or f: largest entry (size), error bound (error), largest size by loads (acts).
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -71,14 +70,12 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
-/// An algorithm that solves an island. A function that has no sound result returns false and leaves its outputs
-/// undefined.
+/// An algorithm that solves an island. Functions without a sound result return false, with undefined outputs.
 class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Factorizes at the current q and v, solves for data.tau with refinement and checks, and sets data.a, data.f and the
-  /// report. If the result is false, report.reason contains the reason, if known.
+  /// Factorizes at the current state, solves for data.tau, refines, checks. Sets data.a, data.f, report (its reason).
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// Computes the requested derivatives of the current solution in the panel X, already allocated by lay_out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }

@@ -69,8 +69,7 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// Computes a subtree's force on the constrained body above. Returns the part of this force that the body's six rows
-// cannot support, relative to the magnitudes that are summed.
+// Computes a subtree's force on the body above. Returns the relative part that the body's six rows cannot support.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();
@@ -84,8 +83,7 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Solves the subtrees in a shape's slots, first in a SIMD batch, then alone those that the batch could not solve.
-// Returns false if a subtree has no sound solution.
+// Solves the subtrees in a shape's slots in a SIMD batch, then failed ones alone. Returns false if one stays unsolved.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

@@ -27,8 +27,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether K is small enough for the dense reference solver, whose time is cubic and whose memory is quadratic.
-bool may_ask_oracle(const MatrixSystem& m) {
+bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough: cubic time, quadratic memory
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
