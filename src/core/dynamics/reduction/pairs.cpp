@@ -36,7 +36,7 @@ bool may_reduce(const Scene& scene, const Options& options) {
          scene.tolerance == 0 && scene.damping >= 0 && scene.moment_length > 0;
 }
 
-std::vector<std::vector<int>> find_groups(const Scene& scene) {  // contacts between the same two bodies
+std::vector<std::vector<int>> find_groups(const Scene& scene) {  // groups: the contacts between the same two bodies
   using Bodies = std::tuple<int, int, int, int>;
   std::vector<std::pair<Bodies, int>> all;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {

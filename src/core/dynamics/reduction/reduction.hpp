@@ -67,7 +67,7 @@ const Report& solve_reduced(const Scene& scene, const ConstVector& q, const Cons
 /// Returns the data whose solution is to be differentiated: Reduction::data, or Reduction::plain, solved if necessary.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
-void expand_forces(const SceneData& data, const double* y, double* f);  // f from y: S Q y for pairs
+void expand_forces(const SceneData& data, const double* y, double* f);  // f = S Q y for pairs, f = y for others
 void reduce_forces(const SceneData& data, const double* f, double* y);  // the transpose: y = Q^T S f for pairs
 
 const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request);

@@ -28,7 +28,7 @@ struct ThreadWork;
 
 namespace internal {
 
-/// The accuracy of an island's a or f: largest entry (size), error bound (error), largest size by loads (acts).
+/// The accuracy of an island's a or f: largest entry (size), its error bound (error), largest effect of loads (acts).
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -75,7 +75,7 @@ class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Factorizes at the current state, solves for data.tau, refines, checks. Sets data.a, data.f, report (its reason).
+  /// Solves for data.tau at the current state. Sets data.a, data.f and report; if it fails, report.reason, if known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// Computes the requested derivatives of the current solution in the panel X, already allocated by lay_out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
@@ -86,8 +86,7 @@ class IslandSystem {
   virtual bool invert(const Scene &, SceneData &, ThreadWork &, ProductWork &) { return false; }
   /// Sets error_acceleration and error_forces of the report (estimate_errors).
   virtual bool bound_errors(const Scene &, SceneData &, IslandReport &) { return false; }
-  /// Sets the report's condition.
-  virtual bool estimate_condition(const Scene &, SceneData &, IslandReport &) { return false; }
+  virtual bool estimate_condition(const Scene &, SceneData &, IslandReport &) { return false; }  // report.condition
 };
 
 }  // namespace manycontact

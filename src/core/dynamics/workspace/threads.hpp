@@ -13,7 +13,7 @@ void each_item(Workspace& w, std::size_t count, Work&& work) {
             [&](std::ptrdiff_t item, int thread) { work(static_cast<std::size_t>(item), w.threads[thread]); });
 }
 
-/// Calls the function above if `worth_threads`; otherwise all items run in the calling thread, with the same memory.
+/// Calls the function above if `worth_threads`; else runs all items in this thread, each with the memory it has above.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work) {
   if (worth_threads) return each_item(w, count, work);

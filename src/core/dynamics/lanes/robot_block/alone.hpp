@@ -193,7 +193,7 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
 }
 
 template <class S>
-void RobotBlock<S>::restore_contradiction() {  // adds the inconsistency that refine() subtracted from b to b and r
+void RobotBlock<S>::restore_contradiction() {  // adds to b and r the inconsistency that refine() subtracted
   const Mask of = waiting_.elements();
   for (int i = pattern_.nv; i < rows_; ++i) {
     const int k = pattern_.iperm[i];

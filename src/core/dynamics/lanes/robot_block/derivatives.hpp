@@ -41,7 +41,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
 }
 
 template <class S>
-void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {  // one MovingEnd per coupling contact
+void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {  // sets Robot::ends, one per coupling contact
   linearise(job, robots, nullptr);
   rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // sets Psid, Psidd and Sv
   collect_ends({&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv});

@@ -24,7 +24,7 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
 }
 
 template <class S>
-void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {  // no-op if all robots have the plan's model
+void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {  // skipped if all robots have the plan's model
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
   const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
     return scene.robots[r.number].model;

@@ -75,7 +75,7 @@ class WaitingRows {
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// Extend a solve to joined rows: before_solve, then x = K1^-1 x by the caller, then after_solve. x: row-major.
+  /// Extend a solve to joined rows: before_solve, the caller's x = K1^-1 x, after_solve. x: C columns, row-major.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);

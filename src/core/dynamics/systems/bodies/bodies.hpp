@@ -91,8 +91,7 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement);
 
-/// Returns the kinematics of an attachment's robot; nullptr if its body is fixed.
-const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
+const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);  // nullptr if fixed
 void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);  // bodies.contacts, in body frames
 void multiply_bodies(const BodySystem& system, double* x);  // x = K x, in the island's order, by recursion over bodies
 

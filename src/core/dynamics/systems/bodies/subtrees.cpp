@@ -83,7 +83,8 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Solves the subtrees in a shape's slots in a SIMD batch, then failed ones alone. Returns false if one stays unsolved.
+// Solves subtrees in a shape's slots in a SIMD batch, then failed ones alone. Returns false if one has no sound
+// solution.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

@@ -52,7 +52,7 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 
 }  // namespace
 
-// Terms of M are S^T Yc S, terms of h S^T f: joint motions S, composite inertias Yc, body forces f, in the tree frame.
+// M has terms S^T Yc S, h has S^T f. S: joint motions; Yc: composite inertias; f: body forces; all in the tree frame.
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
   std::vector<TwistSize> v(n), acceleration(n), force(n);  // v, acceleration: largest from the base to the body
@@ -132,7 +132,7 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| + c eps (terms) per row, in elimination order. r: residual without the contacts' inconsistency.
+// Returns |r| + c eps |terms| per row, in elimination order. r: residual without the contacts' inconsistency.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -247,8 +247,7 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// Bounds the error of forces that is due to rounding errors of the projection to least norm.
-double projected_forces(const MatrixSystem& m) {
+double projected_forces(const MatrixSystem& m) {  // bounds force errors due to rounding of the least-norm projection
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)
     f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[m.owner.island.nv + k]]) * unit_of(m, k));

@@ -117,8 +117,7 @@ void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// Allocates an island's joint-space terms and evaluates them at the current q, v, unless this was done already.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
-/// Computes the placements of an island's bodies at the current q, for products with derivatives.
-void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
+void place_at_state(const Scene& scene, const SceneData& data, const Island& island);  // bodies at the current q
 bool joint_space_fits(const IslandWork& d);  // sparse-bodies: only up to kMostJointSpace numbers
 /// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice that ends the message.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
@@ -154,8 +153,7 @@ bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thre
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
 /// Overwrites a panel X with row stride ld by K^+ X. Returns false if the result is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
-/// Sets v.x = K^+ v.b by the current factor, with refinement. If v.x is inaccurate, sets it to NaN and returns false.
-bool solve_vector(MatrixSystem& system, KktVectors& v);
+bool solve_vector(MatrixSystem& system, KktVectors& v);  // v.x = K^+ v.b, refined; NaN and false if inaccurate
 
 // Terms of dependent rows in derivatives and products (least_norm_forces.cpp). An AtSolution must exist.
 
@@ -172,8 +170,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the adjoints of least_norm_forces and add_contradiction to p.wq; false if inaccurate. v.x: K^+ [wa; -wf],
-/// scratch.
+/// Adds adjoints of least_norm_forces, add_contradiction to p.wq; false if inaccurate. v.x: K^+ [wa; -wf], scratch.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

@@ -26,9 +26,8 @@ inline RowTerms<double> bias_acceleration_terms(const Scene& scene, const Worksp
   });
 }
 
-/// Returns the largest linear and the largest angular entry of a 6 x n matrix of motions.
 template <class Motions>
-std::pair<double, double> largest_of_motions(const Motions& J) {
+std::pair<double, double> largest_of_motions(const Motions& J) {  // largest linear, largest angular entry of J (6 x n)
   if (J.cols() == 0) return {};
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }

@@ -50,8 +50,7 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // Per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. e_j: J_jc's error over t
-  // (error_of_entry).
+  // Per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. e_j: error_of_entry of J_jc.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
@@ -149,8 +148,7 @@ double drift(const Scene& scene, const Workspace& work, const IslandWork& d, con
   return std::max(most, tolerance::kRank * w.lever);
 }
 
-// Returns the error of an entry of J, relative to t.
-double error_of_entry(const Work& w, int row, int coordinate) {
+double error_of_entry(const Work& w, int row, int coordinate) {  // error of an entry of J, relative to t
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 

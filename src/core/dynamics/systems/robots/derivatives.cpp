@@ -190,8 +190,7 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Computes columns of [da; df]: -Y in interface rows, K_r^-1 B_r - T_r Y in those of robot r. columns_of: as
-// find_reach's.
+// Computes columns of [da; df]: -Y in interface rows, K_r^-1 B_r - T_r Y in robot r's. columns_of(r): B_r not zero.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {

@@ -119,7 +119,7 @@ bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
-void interface_right_side(const SceneData& data, RobotsSystem& s) {  // s.b: prescribed acceleration - a0, from a0
+void interface_right_side(const SceneData& data, RobotsSystem& s) {  // s.b becomes prescribed acceleration - a0
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
       s.b[coupling.row + i] = prescribed_in(data, coupling.contact, i) - s.b[coupling.row + i];
@@ -151,8 +151,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
   return sound_interface_pivots(s);
 }
 
-// Adds to y the interface rows of K^-1 r, where r is the residual of all rows. Copies this step to the robots' borders.
-void solve_interface(RobotsSystem& s) {
+void solve_interface(RobotsSystem& s) {  // y += interface rows of K^-1 r; copies this step to the robots' borders
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
   each_border_row(
