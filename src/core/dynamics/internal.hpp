@@ -66,8 +66,8 @@ void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& 
 /// Overwrites out.X, after lay_out, with -dr, the right-hand sides of K [da; -df] = -dr. Requires an AtSolution.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// Returns |K^-1|_1, where K is n x n and solve(x) overwrites x with K^-1 x. For a small K the result is exact,
-/// computed from all columns of K^-1 in at most the time of a factorization; otherwise it is an estimate.
+/// Returns |K^-1|_1 of an n x n K; solve(x) overwrites x with K^-1 x. The result is exact for n <= kSmallInverse, from
+/// all columns, in at most the time of a factorization; otherwise it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
 /// Reports the largest residuals r of dynamics rows [0] and contact rows [1], relative to the largest terms (`scale`).

@@ -118,7 +118,7 @@ void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Wo
 /// Allocates an island's joint-space terms and evaluates them at the current q, v, unless this was done already.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
 void place_at_state(const Scene& scene, const SceneData& data, const Island& island);  // bodies at the current q
-bool joint_space_fits(const IslandWork& d);  // sparse-bodies: only up to kMostJointSpace numbers
+bool joint_space_fits(const IslandWork& d);  // whether allowed: sparse-bodies only up to kMostJointSpace numbers
 /// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice that ends the message.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
@@ -142,9 +142,9 @@ struct Attempts {
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
 /// Returns the attempts to solve an island, in order. LDL without damping: kWaiting in the chosen, then leaf-to-root
-/// order; in large islands each is followed (or, if too many rows depend, replaced) by kProximal, and kChosen precedes
-/// the first kProximal if sound pivots are expected. Other methods, or damping: kChosen; then in leaf-to-root order
-/// kChosen (with damping), or kWaiting and kProximal. kDense is last.
+/// order; with over kFewRows rows each is followed (or, if too many depend, replaced) by kProximal, and kChosen
+/// precedes the first kProximal if sound pivots are expected. Other methods, or damping: kChosen, then leaf-to-root
+/// kChosen (with damping) or kWaiting (without). For n <= kDenseSize, kDense is last.
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
 /// Solves by the dense reference solver. Returns false if it fails, has solved already, or if K is too large.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);

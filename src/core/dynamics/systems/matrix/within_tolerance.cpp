@@ -104,8 +104,8 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
   return factorized;
 }
 
-// Factorizes [D J^T; J 0] without rows whose pivot is below `left` times its terms, and computes N. Drops other rows if
-// entries of N are large. Returns whether N can be used.
+// Factorizes [D J^T; J 0] without rows whose pivot is below `left` times its terms, and computes N. If entries of N
+// exceed kLargestEntry, drops other rows. Returns whether N can be used.
 bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;

@@ -186,15 +186,16 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// Returns the componentwise backward error of the interface rows. Tiny rows are judged by the island's largest row.
+// Returns the interface rows' componentwise backward error; rows tiny relative to the island's largest are judged by
+// it.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// Returns the componentwise backward error (sparse/refine.hpp), or NaN. Tiny rows are judged by the largest row of
-// their robot, tiny interface rows by that of the island, as at rest their terms are only rounding errors.
+// Returns the componentwise backward error (sparse/refine.hpp), or NaN. Rows tiny relative to their robot's largest row
+// (interface rows: the island's) are judged by it, as at rest their terms are only rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
