@@ -26,7 +26,8 @@ struct Job {  // a state in the scene's coordinates; pointers must remain valid 
   const std::vector<int>& f_offset;  // one entry per contact; negative: not active
 };
 
-struct Part {                             // the islands that a call processes: all their robots and contacts
+/// The islands that a call processes: all their robots and contacts.
+struct Part {
   std::span<const int> robots, contacts;  // numbers in the scene
 };
 

@@ -18,7 +18,8 @@ struct SceneData;
 struct ExtendedWork {
   explicit ExtendedWork(const Scene& scene);
 
-  struct OfIsland {                       // data of one island during refinement, and afterwards for its error bounds
+  /// Data of one island during refinement, and afterwards for its error bounds.
+  struct OfIsland {
     bool open = false;                    // whether the current iteration processes the island
     bool refined = false;                 // whether the island is to be refined; afterwards, whether it was
     bool converged = false;               // whether x has converged

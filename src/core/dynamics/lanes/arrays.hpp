@@ -90,7 +90,7 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads PairNumbers of the items' contacts, unless all have `common`, which all elements of `to` share; or nullptr.
+/// Loads PairNumbers of items' contacts, unless all have `common`: those that all elements of `to` share, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];

@@ -116,7 +116,7 @@ Scene unnamed(const Scene& from) {  // copies a scene without names
   return out;
 }
 
-void make_scene(const Scene& scene, Reduction& r) {  // the order of pairs does not depend on when sets became active
+void make_scene(const Scene& scene, Reduction& r) {  // the reduced scene; its order of pairs does not depend on history
   r.data.reset();
   r.scene = unnamed(scene);
   r.pairs.clear();

@@ -46,7 +46,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-void make_first_systems(const Scene& scene, Workspace& w) {  // allocates them; SIMD batches have their own memory
+void make_first_systems(const Scene& scene, Workspace& w) {  // allocates systems tried first, except batches
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
     if (d.bodies) {

@@ -10,7 +10,7 @@ class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
   std::string difference(const Scene& scene) const;  // how the scenes differ; empty if they do not
-  /// Likewise, but compares only the numbers of robots and contacts, and `island`; the time depends on its size only.
+  /// Compares only the numbers of robots and contacts, and those in `island`. The time depends on its size only.
   std::string difference(const Scene& scene, const Island& island) const;
 
  private:

@@ -20,7 +20,7 @@ void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work)
   for (std::size_t k = 0; k < count; ++k) work(k, w.threads[k % w.threads.size()]);
 }
 
-inline bool are_worth_threads(const Workspace& w, double seconds) {  // whether `seconds` of predicted work justify them
+inline bool are_worth_threads(const Workspace& w, double seconds) {  // whether `seconds` of work justify waking threads
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
 /// Calls work(island, number of the island, thread's memory), first for islands with with_all_threads(island), one by

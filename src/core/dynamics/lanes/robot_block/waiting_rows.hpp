@@ -96,7 +96,8 @@ class WaitingRows {
   }
 
   void project_out(S* x) { project_out<1>(as_scalar(x)); }  // x -= P x in the rows of J
-  void take_out(S* x) {                                     // x -= P x in the rows of J; stores P x in null_component
+  /// Sets x -= P x in the rows of J, and stores P x in null_component.
+  void take_out(S* x) {
     project_out(x);
     std::fill_n(null_component_, rows_, S(0));
     for (int c = 0; c < *count_; ++c)

@@ -30,8 +30,7 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Solves the whole island at the current state. Returns false if pivots are not sound, or if rows are dependent.
-  bool make_current(const Scene&, const SceneData&);
+  bool make_current(const Scene&, const SceneData&);  // solves the whole island; false if pivots fail, or rows depend
 
   IslandWork& owner;
   std::vector<BodyKinematics<double>> kin;  // one entry per robot of the island; set by solve

@@ -18,7 +18,8 @@ namespace manycontact {
 
 struct ProductWork;
 
-struct DependentDerivatives {            // workspace of derivatives and products of an island with dependent rows
+/// Workspace of derivatives and products of an island with dependent rows.
+struct DependentDerivatives {
   Eigen::VectorXd y;                     // nv: any solution of J y = f, where f are the contact forces
   bool known = false;                    // whether y was computed for the current solution
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc

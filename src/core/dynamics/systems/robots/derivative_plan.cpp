@@ -40,7 +40,7 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Returns the multiply-adds to solve a panel robot by robot; `costs` measured on rings and humanoids with a beam.
+// Returns multiply-adds to solve a panel robot by robot. Constants were measured on rings and humanoids with a beam.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {

@@ -190,7 +190,7 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Computes columns of [da; df]: -Y in interface rows, K_r^-1 B_r - T_r Y in robot r's. columns_of(r): B_r not zero.
+// Computes columns of [da; df]: interface rows -Y, robot rows K_r^-1 B_r - T_r Y. columns_of(r): where B_r is nonzero.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {

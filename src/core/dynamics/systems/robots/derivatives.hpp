@@ -18,7 +18,8 @@
 
 namespace manycontact {
 
-struct RobotsDerivatives {            // derivatives of islands of one shape, for one request at a time
+/// Derivatives of islands of one shape, for one request at a time.
+struct RobotsDerivatives {
   static constexpr int kChunk = 192;  // columns of X processed at a time, to stay in cache
 
   explicit RobotsDerivatives(const IslandShape& shape, const RobotsSystem& system);

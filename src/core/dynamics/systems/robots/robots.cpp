@@ -186,8 +186,7 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// Returns the interface rows' componentwise backward error; rows tiny relative to the island's largest are judged by
-// it.
+// Returns interface rows' componentwise backward error; rows tiny relative to the island's largest are judged by it.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});

@@ -41,7 +41,8 @@ struct InterfaceContactGroup {  // contacts that couple two robots, and differ o
   std::vector<lanes::OneOrBatch<lanes::InterfaceContacts>> kernels;  // one entry per thread
 };
 
-struct InLanes {                       // SIMD batches of robots, set up by prepare
+/// SIMD batches of robots, set up by prepare.
+struct InLanes {
   const simd::Level* level = nullptr;  // instruction level; nullptr: no SIMD batches
   std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: group_of in plan.cpp
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
@@ -74,10 +75,9 @@ class RobotsSystem final : public IslandSystem {  // solves an island of several
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// Computes all K_r, the factors of K_r and S, and b, at the current state. Returns false if a pivot is not sound.
-  bool factorize(const Scene& scene, SceneData& data);
-  bool rows_depend() const;  // whether `factorize` found dependent rows in any robot's K_r
-  double growth() const;     // growth of K's entries in the factors of all K_r and S (Factor::growth)
+  bool factorize(const Scene& scene, SceneData& data);  // K_r, factors of K_r and S, b; false if a pivot is not sound
+  bool rows_depend() const;                             // whether `factorize` found dependent rows in any robot's K_r
+  double growth() const;  // growth of K's entries in the factors of all K_r and S (Factor::growth)
 
   IslandWork& owner;
   using Robot = lanes::RobotBlocks::Robot;
@@ -147,8 +147,7 @@ void make_robots(const Scene& scene, Workspace& work, IslandWork& island);  // c
 /// Solves all unsolved single-robot islands in SIMD batches at w.q, data.v, data.tau, first in single precision if
 /// options request it. start: start of a simulation step, if any; data.tau then excludes the step's forces.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
-/// Whether SIMD batches in double precision solve all islands, each of a single robot.
-bool stand_alone(const Scene& scene, const Workspace& w);
+bool stand_alone(const Scene& scene, const Workspace& w);  // batches of doubles solve all islands, of one robot each
 int batch_width(const Workspace& w);  // the most single robots, or states, in a SIMD batch; 1 without batches
 /// Sets the status, reason, rank and dependent_rows of a report from the dependent rows of the island's J.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
@@ -161,7 +160,7 @@ void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product,
 
 /// Allocates island.robots->derivatives for `out` if derivatives robot by robot are predicted cheaper than by K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
-bool differentiates_by_robots(const IslandWork& island);  // first, as predicted cheaper; may be inaccurate
+bool differentiates_by_robots(const IslandWork& island);  // whether robot by robot is tried first, as predicted cheaper
 
 /// Return the inputs of SIMD batches for a solve at the current state, and for derivatives at the current solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
