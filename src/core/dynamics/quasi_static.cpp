@@ -15,8 +15,8 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns upper bounds of the loads on a robot's coordinates. That of gravity g is |g| sqrt(m M_ii), m the mass that
-// coordinate i moves (Cauchy-Schwarz). applied: sizes of wrench and spring torques, in the scene, or empty.
+// Returns upper bounds of the loads on a robot's coordinates. Gravity g loads by at most |g| sqrt(m M_ii), m the mass
+// that i moves (Cauchy-Schwarz). applied: sizes of wrench and spring torques per scene coordinate, or empty.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;

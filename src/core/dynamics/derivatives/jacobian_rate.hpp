@@ -21,7 +21,7 @@ class JacobianRate {  // products with the derivative of one contact's J, from i
     const std::vector<int>& support;  // ContactSupport::a or b
     const std::vector<int>& joint;    // joint of each velocity coordinate of the body's robot
   };
-  /// columns: coordinates of J's columns. chain_a: those of joints above A within A's robot. first_a: its first one.
+  /// columns: coordinates of J's columns. chain_a: those of joints above A, in A's robot, which begins at first_a.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),

@@ -27,7 +27,7 @@ class OnDemand {  // one object per robot or contact, allocated when an island f
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Terms of robots and contacts at the solution. Robots of one model share slots, which therefore stay in the cache.
+/// Terms at the solution. Robots of one model share slots of a pool, as a thread processes one island at a time.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
@@ -46,7 +46,7 @@ struct Linearisation {
   OnDemand<ContactDerivatives> derivatives;  // set by right_hand_sides
   std::vector<std::uint64_t> state;          // one entry per contact: Workspace::state at which `contacts` was set
 
-  /// Assigns slots to robots and allocates contacts. Call it after joint-space terms are allocated, before threads.
+  /// Assigns slots to robots and allocates contacts. Call it after make_joint_space, before threads start.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
   void forget_places() { std::fill(place.begin(), place.end(), -1); }  // call it when islands change
 

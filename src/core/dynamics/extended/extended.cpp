@@ -372,8 +372,8 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; a bound of 1 becomes > 1
 
-// Sizes of an island's a or f for its error bound. size, size_before: largest entry reported, in double; by_inverse:
-// relative bound by |K^-1|; distance: to the refined copy; last: its last correction; at_rest: due to loads.
+// Sizes of an island's a or f for its error bound. size, size_before: largest entry, reported, in double; by_inverse:
+// relative bound by |K^-1|; distance: to the refined copy; last: its correction; at_rest: due to loads.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
