@@ -57,8 +57,7 @@ void each_block(const Scene& scene, const Island& island, const AppliedForces<do
       use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
 }
 
-// Adds l^T dtau/dq and l^T dtau/dv to row `row` of out.X, and sets row `row` of out.W to l^T dtau/dw, where l = s.l and
-// tau are the torques of the wrenches w and of springs.
+// Adds l^T dtau/d(q, v) to a row of out.X; sets that of out.W to l^T dtau/dw. l: s.l; tau: wrench and spring torques.
 void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
              AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
   each_block(scene, island, forces, [&](int at, int, int n) {

@@ -32,23 +32,18 @@ struct AppliedWork {
 
 namespace internal {
 
-/// Whether wrenches or springs act in the current solution.
-bool forces_are_applied(const Workspace& w);
+bool forces_are_applied(const Workspace& w);  // whether wrenches or springs act in the current solution
 /// Throws std::invalid_argument, naming `function`, unless data.wrenches has one entry per wrench of the scene.
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);
 /// Adds the torques of wrenches and springs at q, v to tau (nv).
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau);
-/// Whether a spring on the island's robots has no direction.
-bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);
+bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);  // whether a spring has none
 
-/// Changes a request such that torques on all coordinates are variables, as join_applied_forces needs.
-DerivativeRequest by_all_torques(DerivativeRequest request);
-/// Adds derivatives with respect to q, v and wrenches through torques of wrenches and springs to those computed for
-/// by_all_torques(request), and removes columns not in `request`.
+DerivativeRequest by_all_torques(DerivativeRequest request);  // makes torques on all coordinates variables
+/// Adds the derivatives of wrench and spring torques to those for by_all_torques(request); keeps columns of `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
-/// Adds the derivatives of the torques of wrenches and springs to the right-hand sides R.X (with respect to q and v)
-/// and R.W (wrenches). R: allocated by lay_out.
+/// Adds derivatives of wrench and spring torques to right-hand sides R.X (q, v) and R.W (wrenches), after lay_out.
 void add_applied_right_hand_sides(const Scene& scene, SceneData& data, const Island& island, IslandDerivatives& R);
 /// Returns magnitudes of the torques of wrenches and springs and of their derivatives, per coordinate of the scene.
 AppliedSizes applied_sizes(const Scene& scene, const SceneData& data, const Island& island);

@@ -12,8 +12,7 @@
 
 namespace manycontact {
 
-/// A scene that consists of `count` copies of another scene, and its data.
-struct BatchCopies {
+struct BatchCopies {  // a scene that consists of `count` copies of another scene, and its data
   BatchCopies(const Scene& of, int copies, const Options& options);
 
   int count;
@@ -149,8 +148,7 @@ void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::Ve
     out.segment(k * X.cols(), X.cols()) = row_of(X, std::min(first + k, X.rows() - 1));
 }
 
-// The result of one solve, of either one state or several states, one per copy of the scene.
-struct Solved {
+struct Solved {  // the result of one solve, of one state or of several, one per copy of the scene
   const Scene& scene;
   SceneData& data;
   BatchCopies* copies;  // nullptr: the scene itself

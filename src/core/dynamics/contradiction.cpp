@@ -1,6 +1,5 @@
-// Decides, for all systems and for pairs, whether contacts are inconsistent. For this, the residual defined in
-// rank/contradiction.hpp must exceed the rounding error of accelerations that contacts cancel. These are gravity or,
-// without gravity, |J| |tau - h| / max M_ii.
+// Decides, for all systems and pairs, whether contacts are inconsistent: the residual of rank/contradiction.hpp exceeds
+// rounding errors of the accelerations that contacts cancel (gravity; without it |J| |tau - h| / max M_ii).
 
 #include <algorithm>
 #include <cmath>

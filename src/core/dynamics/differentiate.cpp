@@ -87,10 +87,9 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
   w.linearisation->assign(scene, w, d.island);
 }
 
-// Differentiates an island outside SIMD batches: robot by robot if that is cheaper, else by the system that solved or
-// by MatrixSystem. If sparse-bodies solved, MatrixSystem is tried first, unless K is too large
-// (kDifferentiatedByMatrix): sparse-bodies solves column by column, which takes 4 to 70 times as long as a sparse
-// factor of K. rank: the rank of J in the solution, which MatrixSystem must find, too.
+// Differentiates an island outside SIMD batches: robot by robot if cheaper, else by the system that solved, or by
+// MatrixSystem. With method auto, MatrixSystem precedes sparse-bodies unless K is too large (kDifferentiatedByMatrix):
+// column by column, sparse-bodies takes 4 to 70 times as long. rank: of J, which MatrixSystem must find.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, int rank, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

@@ -13,25 +13,21 @@ namespace manycontact::internal {
 /// Solves a prepared scene. prescribed: prescribed accelerations of constraint rows, in f's order; all zero if empty.
 const Report& solve_prepared(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                              SceneData& data, std::span<const double> prescribed = {});
-/// Prepares a scene that check_scene has accepted.
-void prepare_checked(const Scene& scene, SceneData& data);
+void prepare_checked(const Scene& scene, SceneData& data);  // prepares a scene that check_scene has accepted
 /// Sets up Workspace::islands for all contacts; `prepare` skips this if it uses a Reduction.
 void prepare_islands(const Scene& scene, const SceneData& data);
 /// Returns why this island's input cannot be used; kNone if it can.
 Reason check_input(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                    const Island& island);
-/// Resets a report to that of an unsolved island; keeps the capacity of dependent_rows.
-void reset(IslandReport& report, const Island& island);
+void reset(IslandReport& report, const Island& island);  // to an unsolved island; keeps dependent_rows' capacity
 /// Sets report.dependent_rows to the sorted indices in data.f of the island's constraint rows `rows`.
 void name_dependent_rows(const SceneData& data, const Island& island, std::span<const int> rows, IslandReport& report);
-/// Returns the acceleration prescribed for row i of a contact.
-inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {
+inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) {  // acceleration of a contact's row i
   const std::vector<double>& prescribed = data.workspace->prescribed;
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where the workspace stores a pair's ContactData::left, the inconsistency of the contacts that the pair
-/// replaces (reduction/reduction.hpp); nullptr if the contact is no pair.
+/// Returns where a pair's ContactData::left is stored (reduction/reduction.hpp); nullptr if the contact is no pair.
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;
@@ -40,8 +36,7 @@ inline void keep_left(Workspace& w, int contact, const ContactData<double>& rows
   if (double* left = left_of(w, contact)) std::copy_n(rows.left.data(), rows.left.size(), left);
 }
 
-/// Returns Workspace::products; constructs it at the first call.
-inline ProductWork& products_of(const Scene& scene, Workspace& w) {
+inline ProductWork& products_of(const Scene& scene, Workspace& w) {  // constructed at the first call
   if (!w.products) w.products = std::make_unique<ProductWork>(scene);
   return *w.products;
 }
@@ -57,25 +52,22 @@ bool ask(const Scene& scene, const SceneData& data, IslandWork& d, ThreadWork& t
 /// Computes error bounds of a and f with |K^-1| (mathematics.md) and stores them in the islands' reports.
 void bound_errors(const Scene& scene, SceneData& data);
 
-/// Whether an island's contacts are inconsistent by more than the rounding errors of accelerations due to gravity or
-/// torques. of: the inconsistency.
+/// Whether the inconsistency `of` exceeds the rounding errors of accelerations due to gravity or torques.
 bool contradicts(const Scene& scene, const SceneData& data, rank::Contradiction<double> of, IslandWork& island);
 
 /// Larger derivatives [bytes] are written past the caches, as they exceed a core's share of the last-level cache.
 inline constexpr std::size_t kCacheBytes = 4 << 20;
 
-/// Whether derivatives of the current solution have been computed.
-bool has_derivatives(const SceneData& data);
+bool has_derivatives(const SceneData& data);  // whether those of the current solution have been computed
 /// Sets u_offset, nu and cols of an island's derivatives, i.e. the columns with respect to torques, from out.request.
 void number_torques(const Scene& scene, const Island& island, IslandDerivatives& out);
 /// Sets the sizes and offsets of an island's blocks of derivatives, and allocates the panels with zeros.
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out);
-/// Overwrites out.X, allocated by lay_out, with -dr, the right-hand sides of K [da; -df] = -dr. An AtSolution must
-/// exist.
+/// Overwrites out.X, after lay_out, with -dr, the right-hand sides of K [da; -df] = -dr. Requires an AtSolution.
 void right_hand_sides(const Scene& scene, SceneData& data, const IslandWork& island, IslandDerivatives& out);
 
-/// Returns |K^-1|_1, where K is n x n and solve(x) overwrites x with K^-1 x. For a small K the result is exact,
-/// computed from all columns of K^-1 in at most the time of a factorization; otherwise it is an estimate.
+/// Returns |K^-1|_1 of an n x n K; solve(x) overwrites x with K^-1 x. The result is exact for n <= kSmallInverse, from
+/// all columns, in at most the time of a factorization; otherwise it is an estimate.
 double inverse_norm(int n, const std::function<void(double*)>& solve);
 
 /// Reports the largest residuals r of dynamics rows [0] and contact rows [1], relative to the largest terms (`scale`).
@@ -93,19 +85,16 @@ inline void report_bounds(const Known& a, const Known& f, IslandReport& report) 
     report.status = Status::kRegularised, report.reason = Reason::kUncertain;
 }
 
-/// Whether a joint's k-th velocity coordinate is an angular velocity.
-inline bool is_angular(const Joint& joint, int k) {
+inline bool is_angular(const Joint& joint, int k) {  // whether the k-th velocity coordinate is an angular velocity
   if (joint.type == JointType::kFloating) return k >= 3;
   return joint.type == JointType::kRevolute || (joint.type == JointType::kPlanar && k == 2);
 }
 
-/// Returns the largest magnitude of an inertia's mass, first moment and moments.
-inline double inertia_size(const Inertia<double>& Y) {
+inline double inertia_size(const Inertia<double>& Y) {  // the largest magnitude of mass, first moment and moments
   return std::max({std::abs(Y.m), Y.h.cwiseAbs().maxCoeff(), Y.I.cwiseAbs().maxCoeff()});
 }
 
-/// Copy an island's x = [a; y], in elimination order, to the scene's vectors a (nv) and y (one entry per constraint
-/// row), or these to x. scatter copies from x, gather to x.
+/// Copy an island's x = [a; y], in elimination order, to (scatter) or from (gather) the scene's a and y.
 template <class X, class A, class Y>
 void scatter(const Scene& scene, const std::vector<int>& f_offset, const KktPattern& p, const Island& island,
              const X* x, A& a, Y& y) {

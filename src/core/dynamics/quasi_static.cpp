@@ -15,9 +15,8 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns upper bounds of the loads on a robot's coordinates. The load of gravity g is at most |g| sqrt(m M_ii), where
-// m is the mass that coordinate i moves (Cauchy-Schwarz). applied: magnitudes of the torques of wrenches and springs,
-// per coordinate of the scene, or empty.
+// Returns upper bounds of the loads on a robot's coordinates. Gravity g loads by at most |g| sqrt(m M_ii), m the mass
+// that i moves (Cauchy-Schwarz). applied: sizes of wrench and spring torques per scene coordinate, or empty.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;

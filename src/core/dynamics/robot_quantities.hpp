@@ -9,9 +9,8 @@
 
 namespace manycontact {
 
-/// The terms of a robot except M, which the caller stores, packed or in the slots of a larger matrix.
 template <class S>
-struct RobotQuantities {
+struct RobotQuantities {  // a robot's terms except M, which the caller stores, packed or in a larger matrix
   explicit RobotQuantities(const Model& model) : kin(model), Yc(model.njoints()), f(model.njoints()), h(model.nv) {}
 
   Kinematics<S> kin;           // kin.a: bias accelerations, i.e. accelerations for qdd = 0

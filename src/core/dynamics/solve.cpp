@@ -68,8 +68,7 @@ void solve_island(const Scene& scene, SceneData& data, ThreadWork& thread, Islan
   if (solve_by(&d.matrix) && report.reason == Reason::kNone) report.reason = refused;
 }
 
-// Solves the islands that SIMD batches did not solve.
-void solve_left(const Scene& scene, SceneData& data) {
+void solve_left(const Scene& scene, SceneData& data) {  // the islands that SIMD batches did not solve
   Workspace& w = *data.workspace;
   const auto is_left = [](const auto& d) { return !d->answered; };
   const auto left = std::ranges::count_if(w.islands, is_left);
@@ -79,8 +78,7 @@ void solve_left(const Scene& scene, SceneData& data) {
   });
 }
 
-// Solves islands of coupled robots robot by robot; each island uses all threads.
-void solve_joined(const Scene& scene, SceneData& data) {
+void solve_joined(const Scene& scene, SceneData& data) {  // islands robot by robot; each uses all threads
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];
@@ -89,8 +87,7 @@ void solve_joined(const Scene& scene, SceneData& data) {
   }
 }
 
-// Reports the islands that were solved in double precision although the options request single.
-void tell_precision(SceneData& data) {
+void tell_precision(SceneData& data) {  // reports islands solved in double precision although single was requested
   if (data.workspace->options.precision != Precision::kSingle) return;
   for (IslandReport& report : data.report.islands)
     if (report.status != Status::kFailed && report.precision == Precision::kDouble && report.reason == Reason::kNone)
@@ -171,8 +168,7 @@ const Report& solve_prepared(const Scene& scene, const ConstVector& q, const Con
 
 namespace {
 
-// Measures SolveTimes: setup from construction to the call of `prepared`, solve from then to the call of `report`.
-class SolveClock {
+class SolveClock {  // SolveTimes: setup until `prepared` is called, then solve until `report` is called
  public:
   void prepared() { prepared_ = Clock::now(); }
   const Report& report(Report& report) const {

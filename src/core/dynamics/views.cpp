@@ -46,8 +46,7 @@ const RobotData& robot_at_state(const Scene& scene, const SceneData& data, int r
   return w.robots[robot];
 }
 
-// Evaluates a contact's rows at the state of the solution, unless they are up to date.
-void evaluate_rows(const Scene& scene, const SceneData& data, int contact) {
+void evaluate_rows(const Scene& scene, const SceneData& data, int contact) {  // evaluates the rows unless up to date
   const Workspace& w = prepared(data);
   const auto known = [&] { return w.rows_state.at(contact) == w.state && w.contacts.has(contact); };
   if (known()) return;

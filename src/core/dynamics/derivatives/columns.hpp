@@ -18,16 +18,14 @@ void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X
   }
 }
 
-/// Subtracts W dx from a contact's rows X, where W selects the constraint rows (ContactData::W). dx: derivatives
-/// ContactDerivatives::dx_dq or dx_dv, one column per coordinate.
+/// Subtracts W dx from a contact's rows X. W: ContactData::W; dx: dx_dq or dx_dv of ContactDerivatives, per coordinate.
 template <class S, class Block>
 void contact_columns(const ContactData<S>& rows, const Mat6X<S>& dx, const std::vector<int>& columns, Block&& X) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     for (int i = 0; i < rows.W.rows(); ++i) X(i, columns[k]) -= rows.W.row(i).dot(dx.col(k));
 }
 
-/// Subtracts dW/dq x, the effect of the rotation of a world-aligned frame, from a contact's rows X. oA: first
-/// coordinate of A's robot.
+/// Subtracts dW/dq x (rotation of a world-aligned frame) from a contact's rows X. oA: first coordinate of A's robot.
 template <class S, class Block>
 void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, int oA, Block&& X) {
   if (!d.turns) return;
@@ -37,9 +35,8 @@ void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& 
   }
 }
 
-/// Corrects X = -dr1/dq of an island (nv x nv), which was computed as if contact forces moved with the bodies on which
-/// they act. The force on B moves with A, and a world-aligned frame does not rotate. oA, oB: first coordinates of the
-/// robots of A and B.
+/// Corrects X = -dr1/dq (nv x nv), computed as if contact forces moved with their bodies: the force on B moves with A,
+/// and a world-aligned frame does not rotate. oA, oB: first coordinates of the robots of A and B.
 template <class S, class Block>
 void force_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, const std::vector<int>& columns,
                    int oA, int oB, Block&& X) {

@@ -12,9 +12,8 @@
 
 namespace manycontact::internal {
 
-/// Computes products with the derivative of one contact's J, from its constraint rows at the solution.
 template <class S>
-class JacobianRate {
+class JacobianRate {  // products with the derivative of one contact's J, from its constraint rows at the solution
   using V6 = Vec6<S>;
 
  public:
@@ -22,8 +21,7 @@ class JacobianRate {
     const std::vector<int>& support;  // ContactSupport::a or b
     const std::vector<int>& joint;    // joint of each velocity coordinate of the body's robot
   };
-  /// columns: coordinates of J's columns. chain_a: coordinates of all joints above A, numbered within A's robot, whose
-  /// first coordinate is first_a and whose kinematics is kin_a.
+  /// columns: coordinates of J's columns. chain_a: those of joints above A, in A's robot, which begins at first_a.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),
@@ -38,17 +36,15 @@ class JacobianRate {
         n_(na_ + static_cast<int>(b.support.size())) {}
 
   const auto& W() const { return rows_.W; }
-  /// Calls use(k) for the coordinates k on which J depends.
   template <class Use>
-  void each_column(Use&& use) const {
+  void each_column(Use&& use) const {  // calls use(k) for the coordinates k on which J depends
     for (int k : columns_) use(k);
     if (!rows_turn(contact_)) return;
     for (int i : chain_a_) use(first_a_ + i);
   }
 
-  /// Calls use(k, d(J_l y)/dq_k) for coordinates k. The caller must add the values of a k that occurs twice.
   template <class Y, class Use>
-  void of_motion(const Y& y, Use&& use) const {
+  void of_motion(const Y& y, Use&& use) const {  // calls use(k, d(J_l y)/dq_k); the caller adds values of a repeated k
     const V6 of_b = sum(y, na_, n_);
     const auto column = [&](int k, const V6& above) { use(columns_[k], V6(-cross_motion(rows_.Jl.col(k), above))); };
     each_joint(0, na_, 1, of_b, 1, y, column);
@@ -58,9 +54,8 @@ class JacobianRate {
     for (int i : chain_a_) use(first_a_ + i, turned<S>(turn(i), nu));
   }
 
-  /// Calls use(i, (d(J_l^T F)/dq dq)_i) for the contact's coordinates i, with F in A's axes.
   template <class Y, class Use>
-  void of_force(const V6& F, const Y& dq, Use&& use) const {
+  void of_force(const V6& F, const Y& dq, Use&& use) const {  // calls use(i, (d(J_l^T F)/dq dq)_i); F: in A's axes
     V6 turning = V6::Zero();  // th x F for all s: -(th x s)^T F = s^T (th x F)
     if (rows_turn(contact_)) {
       Vec3<S> th = Vec3<S>::Zero();

@@ -11,9 +11,8 @@ namespace manycontact {
 
 struct Workspace;
 
-/// One object per robot or contact of a scene, allocated when an island first needs it. SIMD batches do not use it.
 template <class T>
-class OnDemand {
+class OnDemand {  // one object per robot or contact, allocated when an island first needs it; not for SIMD batches
  public:
   explicit OnDemand(std::size_t count) : made_(count) {}
   T& operator[](std::size_t k) { return *made_[k]; }
@@ -28,8 +27,7 @@ class OnDemand {
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Terms of robots and contacts at the solution. A thread processes islands one after the other, so that robots of one
-/// model can share the slots of a pool, which stay in the cache.
+/// Terms at the solution. Robots of one model share slots of a pool, as a thread processes one island at a time.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
@@ -48,11 +46,9 @@ struct Linearisation {
   OnDemand<ContactDerivatives> derivatives;  // set by right_hand_sides
   std::vector<std::uint64_t> state;          // one entry per contact: Workspace::state at which `contacts` was set
 
-  /// Assigns slots to an island's robots and allocates its contacts, unless done since islands changed. Call it before
-  /// other threads use the island, and after its joint-space terms were allocated.
+  /// Assigns slots to robots and allocates contacts. Call it after make_joint_space, before threads start.
   void assign(const Scene& scene, const Workspace& work, const Island& island);
-  /// Releases all slots. Call it when islands change.
-  void forget_places() { std::fill(place.begin(), place.end(), -1); }
+  void forget_places() { std::fill(place.begin(), place.end(), -1); }  // call it when islands change
 
  private:
   std::vector<int> model;  // the number of each robot's model
@@ -76,8 +72,7 @@ class AtSolution {
 
 namespace internal {
 
-/// Returns Workspace::linearisation; constructs it at the first call.
-Linearisation& linearisation_of(const Scene& scene, SceneData& data);
+Linearisation& linearisation_of(const Scene& scene, SceneData& data);  // constructed at the first call
 
 /// Writes contact forces on an island's bodies, in tree frames, into fext(robot)[joint]. contacts: evaluated rows.
 template <class Contacts, class Fext>

@@ -7,8 +7,7 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// Calls use(value, row, column, variable of differentiation, whether forces are differentiated) for each entry. Rows
-// and columns are numbered in the scene.
+// Calls use(value, row, column, variable, whether forces are differentiated) per entry; rows, columns as in the scene.
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {
@@ -41,8 +40,7 @@ void each_entry(const Scene& scene, const SceneData& data, const Island& island,
   each(d.dforces_dw(), f, w, kOfW);
 }
 
-// Numbers of columns with respect to q, v, u, w, and of force rows.
-struct Sizes {
+struct Sizes {  // numbers of columns with respect to q, v, u, w, and of force rows
   int columns[4], forces;
 };
 Sizes sizes_of(const Scene& scene, const SceneData& data, const DerivativeData& dd) {

@@ -1,6 +1,6 @@
 #pragma once
-// Steps of jvp and vjp before and after the solve: right-hand sides along a direction, and gradients from the adjoint
-// solution. Vectors are in the scene's coordinates; [a; y] are work.a and work.y.
+// Steps of jvp and vjp before and after the solve: right-hand sides along a direction, gradients from the adjoint
+// solution. [a; y]: work.a, work.y, in the scene's coordinates; r: residuals of dynamics and contact rows.
 
 #include "../workspace/workspace.hpp"
 
@@ -10,15 +10,13 @@ namespace manycontact::internal {
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 
-/// tangent_right_side sets [a; y] = -dr along (dq, dv, dtau), where r are the residuals of dynamics and contact rows.
-/// take_tangent copies the solution [da; -df] from [a; y].
+/// tangent_right_side sets [a; y] = -dr along (dq, dv, dtau). take_tangent copies the solution [da; -df] from [a; y].
 void tangent_right_side(const Scene& scene, const SceneData& data, const Island& island, const TangentProduct& p,
                         ProductWork& work);
 void take_tangent(const Scene& scene, const SceneData& data, const Island& island, const ProductWork& work,
                   const TangentProduct& p);
 
-/// adjoint_right_side sets [a; y] = [wa; -wf]. pull_back_island computes the gradients (wq, wv, wtau) = -(dr)^T l,
-/// where r are the residuals of dynamics and contact rows, and l = K^-1 [wa; -wf].
+/// adjoint_right_side sets [a; y] = [wa; -wf]; pull_back_island sets (wq, wv, wtau) = -(dr)^T l, l = K^-1 [wa; -wf].
 void adjoint_right_side(const Scene& scene, const SceneData& data, const Island& island, const AdjointProduct& p,
                         ProductWork& work);
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& work,

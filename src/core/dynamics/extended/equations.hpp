@@ -16,8 +16,7 @@
 
 namespace manycontact::extended {
 
-/// A state in the scene's coordinates. The pointers must remain valid for all calls at this state.
-struct Job {
+struct Job {  // a state in the scene's coordinates; pointers must remain valid for all calls at this state
   const Scene& scene;
   const double *q, *v, *tau;         // tau (nv): without friction, springs and external wrenches
   std::span<const Vec6<double>> w;   // external wrenches of the scene
@@ -40,10 +39,8 @@ class Equations {
   virtual void begin(const Job& job, const Part& part, const double* a, const double* f) = 0;
   /// Sets x += [da; df] and, if `residual`, r = b - K x.
   virtual void add(const Part& part, const double* da, const double* df, bool residual) = 0;
-  /// Returns r, rounded to double.
-  virtual void residual(const Part& part, double* of_dynamics, double* of_contacts) const = 0;
-  /// Returns x, rounded to double.
-  virtual void round(const Part& part, double* a, double* f) const = 0;
+  virtual void residual(const Part& part, double* of_dynamics, double* of_contacts) const = 0;  // r, rounded to double
+  virtual void round(const Part& part, double* a, double* f) const = 0;                         // x, rounded to double
   /// Returns x - [a; f], rounded to double.
   virtual void difference(const Part& part, const double* a, const double* f, double* da, double* df) const = 0;
 
@@ -56,15 +53,12 @@ class Equations {
   virtual void project(const Part& part, const double* dy, double* change) = 0;
   /// Sets torque = J^T rest (forces) or J^T S^2 rest (residual), rounded; J^T S^2 J dy = torque gives the step dy.
   virtual void gradient_of_rest(const Part& part, double* torque) = 0;
-  /// Ends a projection: subtracts rest from f of x (forces), or from b (residual).
-  virtual void take_rest(const Part& part) = 0;
+  virtual void take_rest(const Part& part) = 0;  // ends it: subtracts rest from f of x (forces) or b (residual)
 
-  /// Sets rest = f.
-  virtual void set_rest(const Part& part, const double* f) = 0;
+  virtual void set_rest(const Part& part, const double* f) = 0;  // rest = f
   /// Sets torque = J^T rest, rounded. Returns its largest entry relative to the largest sum of magnitudes of terms.
   virtual double torque_of_rest(const Part& part, double* torque) = 0;
-  /// Sets rest += df.
-  virtual void add_to_rest(const Part& part, const double* df) = 0;
+  virtual void add_to_rest(const Part& part, const double* df) = 0;  // rest += df
 };
 
 struct Level {

@@ -30,8 +30,7 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution may be refined, i.e. solves the scene's equations with unchanged J and, if damped, with
-// all rows.
+// Whether the double solution may be refined, i.e. solves with unchanged J and, if damped, with all rows.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -130,8 +129,7 @@ double change_of_parts(const Scene& scene, const SceneData& data, const Extended
   return out;
 }
 
-// Decides from the current correction, before it is added, whether an island's refinement continues.
-enum class Progress { kGoesOn, kConverged, kFailed };
+enum class Progress { kGoesOn, kConverged, kFailed };  // state of a refinement, judged before a correction is added
 Progress judge(const Scene& scene, const SceneData& data, const ExtendedWork& e, std::size_t i, OfIsland& of) {
   const Island& island = solved_island(data, i);
   const double da = largest(scene, island, e.r_a), df = largest_force(scene, data.f_offset, island, e.r);
@@ -187,8 +185,7 @@ void take_weights(const Scene& scene, const SceneData& data, ExtendedWork& e) {
   each_row(scene, data, e, [&](std::size_t c, int i, int k) { e.weights[k] = row_unit(scene, scene.contacts[c], i); });
 }
 
-// Fills f with pseudo-random numbers in [-1, 1) (Knuth's linear congruential generator).
-void take_any_forces(Eigen::VectorXd& f) {
+void take_any_forces(Eigen::VectorXd& f) {  // pseudo-random numbers in [-1, 1) (Knuth's linear congruential generator)
   std::uint64_t state = 1;
   for (double& x : f) {
     state = state * 6364136223846793005u + 1442695040888963407u;
@@ -277,8 +274,7 @@ void project(const Scene& scene, SceneData& data, extended::Equations::Projected
       });
 }
 
-// Opens the islands with redundant rows; returns whether there are any.
-bool open_dependent(const SceneData& data, ExtendedWork& e) {
+bool open_dependent(const SceneData& data, ExtendedWork& e) {  // opens islands with redundant rows; false if none
   for (OfIsland& of : e.islands) of.open = of.refined && of.projects;
   take_part(data, e);
   return any_open(e);
@@ -290,8 +286,7 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Excludes islands whose rows are dependent only up to the rounding of the state, so that J has another rank in
-// double-double.
+// Excludes islands whose rows depend only up to rounding of the state: in double-double J has another rank.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -377,9 +372,8 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
 
 constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; a bound of 1 becomes > 1
 
-// Sizes and distances of an island's a or f, from which its error bound is computed. size, size_before: largest entry,
-// reported and in double; by_inverse: relative bound by |K^-1|; distance: to the refined copy; last: the copy's last
-// correction; at_rest: size that the loads may cause.
+// Sizes of an island's a or f for its error bound. size, size_before: largest entry, reported, in double; by_inverse:
+// relative bound by |K^-1|; distance: to the refined copy; last: its correction; at_rest: due to loads.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;

@@ -46,12 +46,9 @@ struct ExtendedWork {
 
 namespace internal {
 
-/// Refines the current double solution, and replaces it in islands where refinement converged.
-void refine_extended(const Scene& scene, SceneData& data);
-/// Refines a copy of the current solution, of any precision.
-void refine_for_bounds(const Scene& scene, SceneData& data);
-/// Replaces the error bounds of islands whose refined copy converged by bounds from the distance to this copy. The
-/// caller must call summarise.
+void refine_extended(const Scene& scene, SceneData& data);  // refines, and replaces the double solution where converged
+void refine_for_bounds(const Scene& scene, SceneData& data);  // refines a copy of the current solution
+/// Sets error bounds of islands whose refined copy converged, from the distance to the copy. Call summarise afterwards.
 void take_extended_bounds(const Scene& scene, SceneData& data);
 
 }  // namespace internal

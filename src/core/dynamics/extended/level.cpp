@@ -25,8 +25,7 @@ struct ForceSize {
   double force = 0, moment = 0;
 };
 
-// Kinematics of one robot at the state; accelerations and forces of its bodies for a vector x.
-struct RobotWork {
+struct RobotWork {  // one robot's kinematics; accelerations and forces of its bodies for a vector x
   explicit RobotWork(const Model& model)
       : kin(model),
         a(model.njoints()),
@@ -114,8 +113,7 @@ LevelEquations::LevelEquations(const Scene& scene) : contacts_(scene.contacts.si
   for (VecX<S>* x : {&f_, &b_f_, &r_f_, &rest_, &square_, &weighed_}) x->resize(all);
 }
 
-// Adds springs and external wrenches to the torques.
-void LevelEquations::take_applied_forces(const Job& job) {
+void LevelEquations::take_applied_forces(const Job& job) {  // adds springs and external wrenches to the torques
   if (!job.applied) return;
   if (!applied_) applied_.emplace(job.scene);
   w_.resize(job.w.size());
@@ -160,8 +158,7 @@ void LevelEquations::begin(const Job& job, const Part& part, const double* a, co
   evaluate_residual(part);
 }
 
-// Computes the bodies' accelerations due to joint accelerations alone.
-void LevelEquations::motions(const Part& part, const S* a) {
+void LevelEquations::motions(const Part& part, const S* a) {  // bodies' accelerations due to joint accelerations a
   each_robot(part, [&](const Robot& of, const Model& model, RobotWork& at) {
     for (int i = 0; i < model.njoints(); ++i) {
       const Joint& joint = model.joints[i];
@@ -173,8 +170,7 @@ void LevelEquations::motions(const Part& part, const S* a) {
   });
 }
 
-// Returns J a of a contact; call `motions` first.
-Rows LevelEquations::contact_rows_of_motion(int c) const {
+Rows LevelEquations::contact_rows_of_motion(int c) const {  // J a of a contact, after `motions`
   const Contact& contact = scene_->contacts[c];
   const ContactData<S>& of = *contacts_[c];
   V6 motion = V6::Zero();
@@ -184,8 +180,7 @@ Rows LevelEquations::contact_rows_of_motion(int c) const {
   return of.W * motion;
 }
 
-// Writes the contacts' forces on bodies into `external`.
-void LevelEquations::put_forces(const Part& part, const S* f) {
+void LevelEquations::put_forces(const Part& part, const S* f) {  // contacts' forces on bodies, into `external`
   for (int r : part.robots)
     for (V6& force : robot(r).external) force.setZero();
   for (int c : part.contacts) {
@@ -292,8 +287,7 @@ void LevelEquations::set_rest(const Part& part, const double* f) {
   each_row(part, [&](Eigen::Index k) { rest_[k] = f[k]; });
 }
 
-// Sums the magnitudes of contact forces on each body in `sizes`. Unlike the forces, magnitudes cannot cancel.
-void LevelEquations::put_sizes(const Part& part) {
+void LevelEquations::put_sizes(const Part& part) {  // sums magnitudes of contact forces per body, which cannot cancel
   for (int r : part.robots) std::ranges::fill(robot(r).sizes, ForceSize{});
   const auto put = [&](const Attachment& at, const SE3<S>& M, double force, double moment) {
     if (!moves(at)) return;

@@ -12,9 +12,8 @@
 
 namespace manycontact::lanes {
 
-/// Creates a kernel of class Work, for as many robots or contacts as Work's packs have elements.
 template <class Kernel, class Work, class... Arguments>
-std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {
+std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {  // one item per element of Work's packs
   return std::make_unique<Work>(arguments...);
 }
 
@@ -36,8 +35,7 @@ const Pack<W, E>* as_scalar(const Pack<W, E>* x) {
   return x;
 }
 
-/// The largest number of robots in a SIMD batch: 16 floats in a 512-bit register.
-inline constexpr int kMostInBatch = 16;
+inline constexpr int kMostInBatch = 16;  // the largest number of robots in a SIMD batch: 16 floats in 512 bits
 
 /// Returns a pack of floats with the elements of `a`, then the elements of `b`.
 template <int H, std::size_t... I>
@@ -92,8 +90,7 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads PairNumbers of each item's contact. common: on input and output, the numbers that all elements of `to` share,
-/// or nullptr. They are not loaded again if all items have them.
+/// Loads PairNumbers of items' contacts, unless all have `common`: those that all elements of `to` share, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];
@@ -118,9 +115,8 @@ void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, con
     load([m](const PairRows& pair) { return pair.numbers->A[m].R.data(); }, own.A[m].R.data(), 12);
 }
 
-/// Returns, per robot of the batch, the least over all rows of J of the row's largest absolute entry.
 template <class S>
-S smallest_row(const ContactData<S>& rows) {
+S smallest_row(const ContactData<S>& rows) {  // the least over J's rows of the row's largest |entry|
   S smallest(std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < rows.J.rows(); ++i) {
     S size(0);
@@ -130,9 +126,8 @@ S smallest_row(const ContactData<S>& rows) {
   return smallest;
 }
 
-/// Returns the origin of the tree frame of a joint's body.
 template <class S>
-const WorldPoint<S>& origin_at(const Kinematics<S>& kin, int joint) {
+const WorldPoint<S>& origin_at(const Kinematics<S>& kin, int joint) {  // origin of the tree frame of the joint's body
   return kin.origins[kin.tree_of[joint]];
 }
 template <class S>
@@ -140,9 +135,8 @@ S* origin_numbers(Kinematics<S>& kin, int joint) {
   return kin.origins[kin.tree_of[joint]].p.data();
 }
 
-/// A contact's frame in the tree frame of its body, and the origin of the tree frame in the world.
 template <class S>
-struct PlacedEnd {
+struct PlacedEnd {  // a contact's frame in its body's tree frame, and the tree frame's origin in the world
   SE3<S> frame;
   WorldPoint<S> origin;
 };

@@ -1,7 +1,6 @@
 #pragma once
-// A robot's block of the island's K. The block's border are the rows of contacts that couple the robot to other robots.
-// They come last and are not eliminated in the block (systems/robots/interface.hpp). A BlockPlan contains these
-// contacts as contacts with the world.
+// A robot's block of the island's K. Its border are the rows of contacts that couple robots. They come last and are not
+// eliminated here (systems/robots/interface.hpp). A BlockPlan contains them as contacts with the world.
 
 #include <algorithm>
 
@@ -35,8 +34,7 @@ inline StandingEnd<double> standing_end(const Scene& scene, const Attachment& at
   return {{base.R * at.placement.R, base.R * at.placement.p}, base.p};
 }
 
-/// Constant data shared by robots of one structure with contacts of one shape.
-struct BlockPlan {
+struct BlockPlan {  // constant data shared by robots of one structure with contacts of one shape
   Scene scene;  // one such robot and its contacts: first the contacts on it alone, then the coupling contacts
   Island island;
   int alone = 0;                              // number of contacts on the robot alone
@@ -50,7 +48,6 @@ struct BlockPlan {
   const sparse::LdlSchedule& schedule() const { return border() > 0 ? bordered : pattern->schedule(); }
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
-  /// Return the sizes of Robot::joins and of Robot::ends.
   template <class End>
   std::size_t size_of_ends(std::size_t count) const {  // the first `count` ends
     std::size_t size = 0;
@@ -60,12 +57,10 @@ struct BlockPlan {
   std::size_t joins_size() const { return size_of_ends<JoinedEnd>(joins()); }
   std::size_t ends_size() const { return size_of_ends<MovingEnd>(joins()); }
 
-  /// The number of entries of K and b. In a batch's memory, the JoinedEnds follow them, until `factor` overwrites these
-  /// with L, D, x, w.
+  /// Number of entries of K and b. JoinedEnds follow them in memory, until `factor` overwrites these with L, D, x, w.
   std::size_t kept_size() const { return static_cast<std::size_t>(pattern->K.nonzeros() + pattern->size()); }
   std::size_t memory_size() const { return waiting_at() + waiting_size(); }
-  /// Offset and size of the memory of WaitingRows.
-  std::size_t waiting_at() const {
+  std::size_t waiting_at() const {  // offset of the memory of WaitingRows
     const auto factor = static_cast<std::size_t>(pattern->ldl.nonzeros() + 3 * pattern->size());
     return kept_size() + std::max(factor, joins_size());
   }
@@ -96,8 +91,7 @@ struct JoinTerms {
   double* D_B() const { return dv() + rows * cols + 6 * padded(cols); }
 };
 
-/// A robot's contributions to its m border rows, i.e. rows of coupling contacts, in consecutive arrays. G (G_r): the
-/// robot's columns of these rows.
+/// A robot's parts of its m border rows (of coupling contacts), in consecutive arrays. G: its columns of these rows.
 struct Border {
   double* S = nullptr;  // upper triangle, by columns, of the Schur complement
   int m = 0;

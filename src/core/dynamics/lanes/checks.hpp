@@ -36,8 +36,7 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors that multiply the thresholds of pivots and rows (kLeft), and of two successive pivots (kPassedOn). They are
-/// 1 for doubles, and above 1 for floats.
+/// Factors of thresholds of pivots and rows (kLeft), of successive pivots (kPassedOn): 1 for doubles, more for floats.
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
@@ -64,8 +63,7 @@ template <class S>
 class PivotJudge {
  public:
   explicit PivotJudge(double passed_on_more = kPassedOn<S>) : more_(passed_on_more) {}
-  /// Whether the next pivot exceeds `margin` times its rounding error. Rejected pivots do not affect later decisions.
-  /// diagonal: K_kk.
+  /// Whether the next pivot exceeds `margin` times its rounding error; rejected ones have no effect. diagonal: K_kk.
   typename S::Mask accepts(const rank::Pivot<S>& pivot, const S& diagonal, double margin = 1) {
     const S left = select(diagonal < S(0), S(1), abs(pivot.d) / (more_ * pivot.terms));  // 1 for damped rows of J
     rank::PassedOn<S> next = passed_on_;
@@ -96,9 +94,8 @@ S componentwise_error(std::span<const S> r, const S* scale) {
   return error.total() + sum.total() * S(0);
 }
 
-/// Iterative refinement (sparse/refine.hpp) of all robots of a batch; each robot takes its own number of steps.
 template <class S>
-struct Refinement {
+struct Refinement {  // iterative refinement (sparse/refine.hpp) of a batch; each robot takes its own number of steps
   S steps = S(0), error, first;  // number of steps; backward error after the last step, and before the first
 
   /// correct(open): sets x += A^-1 r for robots flagged in `open`, and returns the backward errors of all robots.
@@ -115,9 +112,8 @@ struct Refinement {
   }
 };
 
-/// The largest residual of a set of rows, and the largest magnitude of their terms.
 template <class S>
-struct Largest {
+struct Largest {  // largest residual of a set of rows, and largest magnitude of their terms
   S r, scale;
 
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
@@ -139,9 +135,8 @@ struct Largest {
   double ratio(int lane) const { return r[lane] == 0 ? 0 : r[lane] / scale[lane]; }
 };
 
-/// Growth of K's entries (kkt/factor/pivots.hpp): the largest terms of pivots, and the largest diagonal entry of K.
 template <class S>
-struct Growth {
+struct Growth {  // growth of K's entries (kkt/factor/pivots.hpp): largest terms of pivots, largest diagonal entry
   S terms, diagonal;
 
   template <class Diagonal>

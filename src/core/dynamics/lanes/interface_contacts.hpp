@@ -72,8 +72,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
   }
 
  private:
-  // One of the two coupled robots: its terms that the contact's rows need, and the contact's frame on its body.
-  struct End {
+  struct End {  // one of the coupled robots: terms for the contact's rows, and the contact's frame on its body
     Kinematics<S> kin;
     std::vector<std::pair<int, int>> stretches;  // ranges [begin, end) of coordinates
     SE3<S> on_body;
@@ -119,8 +118,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
                     B_.placed(contact.B.joint), B_.on_body.p, rows_);
   }
 
-  // Collects JoinTerms from rows_ and terms_ in out_.
-  void collect(int n) {
+  void collect(int n) {  // collects JoinTerms from rows_ and terms_ in out_
     const int a = static_cast<int>(support_.a.size()), cols = support_.cols();
     const int ld = JoinTerms::padded(cols);
     using Block = Eigen::Map<MatX<S>>;

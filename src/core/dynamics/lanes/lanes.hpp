@@ -18,8 +18,7 @@
 
 namespace manycontact::lanes {
 
-/// Inputs and outputs of a solve in the scene's coordinates. serial: number of the solution (Solution::serial).
-struct Job {
+struct Job {  // inputs and outputs of a solve in the scene's coordinates; serial: number of the solution
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *tau;
@@ -31,21 +30,18 @@ struct Job {
   const StartOfStep* start = nullptr;             // start of a step of single-robot islands; v is zero then
 };
 
-/// A column of a robot's right-hand sides that is copied to b, for a check of its solution.
-struct Sampled {
+struct Sampled {  // a column of right-hand sides that is copied to b, to check its solution
   int column;
   double* b;
 };
-/// Output of derivatives: the columns K_r^-1 [E, B_r] of one robot, with f instead of -f. For a single-robot island
-/// this is IslandDerivatives::X.
+/// Derivatives K_r^-1 [E, B_r] of one robot, with f instead of -f; of a single-robot island IslandDerivatives::X.
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
   bool refine;                       // whether to refine once, unless the factor bounds the error of every column
   std::span<const Sampled> sampled;  // used for coupled robots
 };
-/// The solution at which derivatives are computed, in the scene's coordinates.
-struct Solution {
+struct Solution {  // the solution at which derivatives are computed, in the scene's coordinates
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *a, *f;
@@ -77,8 +73,7 @@ struct Answer {
   rank::Contradiction<double> contradiction;  // set if any row is dependent
 };
 
-/// Steps of a solve for robots of one plan: for one robot, or for a SIMD batch whose contacts are `alike`.
-class RobotBlocks {
+class RobotBlocks {  // steps of a solve for robots of one plan: one robot, or a SIMD batch whose contacts are `alike`
  public:
   struct Robot {
     int number;           // number of the robot in the scene
@@ -97,16 +92,14 @@ class RobotBlocks {
     double error = 0;                                // correct, check: componentwise backward error, or NaN
     rank::Contradiction<double> contradiction = {};  // finish: inconsistency of the dependent rows
   };
-  /// Memory of the current batch of robots, and of the next batch, which is prefetched.
-  struct Memory {
+  struct Memory {  // memory of the current batch of robots, and of the next batch, which is prefetched
     double* at;
     const double* next;
   };
 
   virtual ~RobotBlocks() = default;
 
-  // Solves single-robot islands by LDL of K in the plan's order. Its last terms and factor are kept for derivatives and
-  // products of these robots at this solution.
+  // Solves single-robot islands by LDL of K in the plan's order. Keeps terms and factor for derivatives and products.
   virtual void solve(const Job& job, std::span<Robot> robots, std::span<Answer> answers) = 0;
 
   // Steps for coupled robots. `memory` has BlockPlan::memory_size numbers per robot of the batch, aligned to a cache
@@ -115,8 +108,7 @@ class RobotBlocks {
   virtual void evaluate(const Job& job, std::span<Robot> robots, Memory memory) = 0;
   /// Factorizes K, sets x = 0, and computes each robot's part of S and of the border's right-hand side.
   virtual void factor(std::span<Robot> robots, Memory memory) = 0;
-  /// Sets x += K^-1 (r - G^T y), where y is the step in the border, then r = b - K x, and parts of the border's
-  /// residual.
+  /// Sets x += K^-1 (r - G^T y), y the step in the border; then r = b - K x, and parts of the border's residual.
   virtual void correct(std::span<Robot> robots, Memory memory) = 0;
   /// Writes job.a, and job.f of contacts on single robots.
   virtual void store(const Job& job, std::span<Robot> robots, double* memory) = 0;
@@ -148,8 +140,7 @@ class InterfaceContacts {
     double* left;                 // output for a pair: ContactData::left
     double smallest_row, motion;  // output: size of the smallest row of J, and motion scale of the rows
   };
-  /// Input and output of derivatives at the solution.
-  struct Derivatives {
+  struct Derivatives {  // input and output of derivatives at the solution
     const Contact* contact;
     double *A, *B;    // MovingEnd of either body; EndForce overwrites it
     const double* f;  // the contact's force, one entry per row
@@ -165,8 +156,7 @@ class InterfaceContacts {
 struct SubtreePlan;  // lanes/subtrees.hpp
 class SubtreeBatch;
 
-/// Solves single-robot islands in single precision. An answer with less than two correct digits is not sound.
-class SingleBlocks {
+class SingleBlocks {  // solves single-robot islands in single precision; sound answers have two or more correct digits
  public:
   virtual ~SingleBlocks() = default;
   virtual void solve(const Job& job, std::span<RobotBlocks::Robot> robots, std::span<Answer> answers) = 0;
@@ -176,8 +166,7 @@ struct SingleLevel {
   std::unique_ptr<SingleBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
 };
 
-/// The kernels of an instruction level, either for SIMD batches, or for one robot or contact at a time.
-struct Level {
+struct Level {  // kernels of an instruction level, for SIMD batches, or for one robot or contact at a time
   int width;
   std::unique_ptr<RobotBlocks> (*make)(const std::shared_ptr<const BlockPlan>& plan);
   /// contact: any contact of the kind that the kernel is to evaluate; scene: the contact's scene.
@@ -188,9 +177,8 @@ struct Level {
   const SingleLevel& single;
 };
 
-/// A thread's kernels, for one item (robot or contact) and, if requested, for a SIMD batch of items.
 template <class Kernel>
-struct OneOrBatch {
+struct OneOrBatch {  // a thread's kernels, for one item (robot or contact) and, if requested, for a SIMD batch
   std::unique_ptr<Kernel> one, batch;
   Kernel& of(std::size_t count) const { return count == 1 ? *one : *batch; }
   /// Creates the kernels for up to `count` items at a time. of(level): creates a kernel of this level.
@@ -201,8 +189,7 @@ struct OneOrBatch {
   }
 };
 
-/// Returns the instruction level that an option requests; nullptr if it requests none or the processor lacks the level.
-const simd::Level* level_of(SimdLevel lanes);
+const simd::Level* level_of(SimdLevel lanes);  // nullptr if off, or if the processor lacks the level
 
 /// Whether contacts of one type on the same joints can share a SIMD batch: they differ at most in placements.
 bool alike_rows(const Contact& x, const Contact& y);

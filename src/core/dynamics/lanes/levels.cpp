@@ -27,8 +27,7 @@ std::vector<SimdLevel> available_simd_levels() {
 namespace lanes {
 
 namespace {
-// Whether ends of two contacts, on robots of one structure, differ at most in placements.
-bool alike_ends(const Attachment& x, const Attachment& y) {
+bool alike_ends(const Attachment& x, const Attachment& y) {  // whether they differ at most in placements
   return x.joint == y.joint && (x.robot < 0) == (y.robot < 0);
 }
 }  // namespace

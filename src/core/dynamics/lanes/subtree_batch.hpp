@@ -137,8 +137,7 @@ void SubtreeBatchOf<S>::assemble_inertia() {
   }
 }
 
-/// Writes J into K. Returns the SIMD elements in which every row of J has an entry that certainly exceeds its rounding
-/// errors (kPlainlyMoves). Pivots do not reveal rows of mere rounding errors.
+/// Writes J into K. Returns the elements in which every row has an entry above rounding errors (kPlainlyMoves).
 template <class S>
 typename S::Mask SubtreeBatchOf<S>::assemble_rows() {
   const int* slot = plan_->J_slot.data();

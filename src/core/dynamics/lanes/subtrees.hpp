@@ -10,23 +10,20 @@
 
 namespace manycontact::lanes {
 
-/// Constant data of subtrees of one shape.
-struct SubtreePlan {
+struct SubtreePlan {  // constant data of subtrees of one shape
   explicit SubtreePlan(std::shared_ptr<const BodyPattern> pattern);
 
   std::shared_ptr<const BodyPattern> pattern;
   sparse::UpperCsc K;  // order: coordinates from the last to the first, then rows
   sparse::LdlSchedule schedule;
-  /// Slots in K, in the order of assembly. M_slot: for each coordinate k, from the last node to the first, the entries
-  /// (k, j) for j of k's node up to k, then of ancestors. J_slot: for each row, coordinates from A up to `meeting`,
-  /// then B.
+  /// Slots in K, in order of assembly. M_slot: per coordinate k, from the last node to the first, the entries (k, j), j
+  /// of k's node up to k, then of ancestors. J_slot: per row, coordinates from A up to `meeting`, then from B.
   std::vector<int> M_slot, J_slot;
   std::vector<int> meeting;  // one per row: the first common ancestor node of both bodies; -1: none
 
   int place(int coordinate) const { return pattern->nv - 1 - coordinate; }
   int place_of_row(int row) const { return pattern->nv + row; }
-  /// Whether subtrees of this shape are small enough for a SIMD batch.
-  static bool fits(const BodyPattern& pattern);
+  static bool fits(const BodyPattern& pattern);  // whether subtrees of this shape are small enough for a SIMD batch
 };
 
 class SubtreeBatch {
@@ -39,8 +36,7 @@ class SubtreeBatch {
     sparse::Refinement refinement;
   };
   virtual ~SubtreeBatch() = default;
-  /// Solves up to a full SIMD batch of subtrees.
-  virtual void solve(std::span<Subtree> subtrees) = 0;
+  virtual void solve(std::span<Subtree> subtrees) = 0;  // solves up to a full SIMD batch
 };
 
 }  // namespace manycontact::lanes

@@ -164,8 +164,7 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// Takes into account that, with damping, K of all contacts also has the eigenvalue -damping, for forces in the null
-// space of a pair's J^T.
+// With damping, the K of all contacts also has the eigenvalue -damping (forces in the null space of a pair's J^T).
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

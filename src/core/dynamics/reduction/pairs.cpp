@@ -36,8 +36,7 @@ bool may_reduce(const Scene& scene, const Options& options) {
          scene.tolerance == 0 && scene.damping >= 0 && scene.moment_length > 0;
 }
 
-// Groups the contacts between the same two bodies.
-std::vector<std::vector<int>> find_groups(const Scene& scene) {
+std::vector<std::vector<int>> find_groups(const Scene& scene) {  // groups: the contacts between the same two bodies
   using Bodies = std::tuple<int, int, int, int>;
   std::vector<std::pair<Bodies, int>> all;
   for (std::size_t c = 0; c < scene.contacts.size(); ++c) {
@@ -106,8 +105,7 @@ Contact unnamed(Contact contact) {
   return contact;
 }
 
-// Copies a scene without names.
-Scene unnamed(const Scene& from) {
+Scene unnamed(const Scene& from) {  // copies a scene without names
   Scene out;
   out.nq = from.nq, out.nv = from.nv, out.nu = from.nu;
   out.gravity = from.gravity, out.damping = from.damping, out.moment_length = from.moment_length;
@@ -118,8 +116,7 @@ Scene unnamed(const Scene& from) {
   return out;
 }
 
-// Makes the reduced scene. The order of its pairs does not depend on the order in which sets became active.
-void make_scene(const Scene& scene, Reduction& r) {
+void make_scene(const Scene& scene, Reduction& r) {  // the reduced scene; its order of pairs does not depend on history
   r.data.reset();
   r.scene = unnamed(scene);
   r.pairs.clear();
@@ -136,8 +133,7 @@ void make_scene(const Scene& scene, Reduction& r) {
   r.rows_of_pair.resize(static_cast<Eigen::Index>(rows));
 }
 
-// Flags the active contacts of the reduced scene.
-void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {
+void set_active(const std::vector<char>& active, Reduction& r, std::vector<char>& out) {  // flags of the reduced scene
   out.assign(r.scene.contacts.size(), 0);
   std::copy(active.begin(), active.end(), out.begin());
   for (std::size_t g = 0; g < r.groups.size(); ++g) {

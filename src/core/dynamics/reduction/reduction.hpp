@@ -20,8 +20,7 @@ namespace manycontact {
 struct Workspace;
 
 struct Reduction {
-  /// Parameters of the scene, besides those in SceneIdentity, on which the reduction depends.
-  struct Terms {
+  struct Terms {  // parameters of the scene, besides SceneIdentity, on which the reduction depends
     std::vector<char> constant_rows;      // one flag per contact of the scene
     bool damped = false, forces = false;  // forces: whether the scene has external wrenches or springs
     double moment_length = 1;
@@ -39,8 +38,7 @@ struct Reduction {
   std::vector<std::shared_ptr<PairRows>> pairs;          // rows of each pair, in the order of the pairs' contacts
   std::set<SharedPairNumbers, PairNumbersLess> numbers;  // distinct numbers of all pairs; batches compare addresses
   std::unique_ptr<SceneData> data;                       // data of the reduced scene
-  // data of the scene itself, used for derivatives if damped contacts slide; contain a solution only if up to date
-  std::unique_ptr<SceneData> plain;
+  std::unique_ptr<SceneData> plain;  // the scene's own data, for derivatives if damped contacts slide; may be outdated
   std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene
   Eigen::VectorXd prescribed;    // prescribed accelerations, rows as data->f
   Eigen::VectorXd df;            // scratch of products, rows as data->f
@@ -50,9 +48,8 @@ struct Reduction {
   int first_pair() const { return static_cast<int>(scene.contacts.size() - pairs.size()); }
   /// Returns the PairRows of contact c of the reduced scene; nullptr if the contact is no pair.
   const PairRows* pair_of(int c) const { return c < first_pair() ? nullptr : pairs[c - first_pair()].get(); }
-  /// Calls use(contact of `scene`, rows) for the active pairs.
   template <class Use>
-  void each_pair(Use&& use) const {
+  void each_pair(Use&& use) const {  // calls use(contact of `scene`, rows) for the active pairs
     for (std::size_t k = 0; k < pairs.size(); ++k)
       if (const int c = first_pair() + static_cast<int>(k); data->active[c]) use(c, *pairs[k]);
   }
@@ -62,20 +59,16 @@ namespace internal {
 
 /// Whether the reduction is up to date with the data's options and active contacts, and the scene's parameters.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
-/// Whether contacts of an island are reduced to pairs.
-bool has_pairs(const Reduction& reduction, std::size_t island);
-/// Creates, changes or drops the reduction for data.active, and prepares its islands.
-void prepare_reduction(const Scene& scene, SceneData& data);
+bool has_pairs(const Reduction& reduction, std::size_t island);  // whether an island's contacts are reduced to pairs
+void prepare_reduction(const Scene& scene, SceneData& data);  // makes or drops it for data.active; prepares its islands
 /// Solves a prepared scene by its reduced scene. prescribed: as for solve_prepared (internal.hpp).
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
 /// Returns the data whose solution is to be differentiated: Reduction::data, or Reduction::plain, solved if necessary.
 SceneData& differentiated(const Scene& scene, SceneData& data);
 
-/// Computes forces f of the scene's contacts from forces y of the reduced scene: f = S Q y for pairs.
-void expand_forces(const SceneData& data, const double* y, double* f);
-/// Applies the transpose of expand_forces to f: y = Q^T S f for pairs.
-void reduce_forces(const SceneData& data, const double* f, double* y);
+void expand_forces(const SceneData& data, const double* y, double* f);  // f = S Q y for pairs, f = y for others
+void reduce_forces(const SceneData& data, const double* f, double* y);  // the transpose: y = Q^T S f for pairs
 
 const DerivativeData& differentiate_reduced(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 std::vector<DerivativeBounds> derivative_errors_reduced(const Scene& scene, SceneData& data);

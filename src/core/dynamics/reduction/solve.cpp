@@ -90,8 +90,7 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists an island's dependent rows. In pairs these are rows outside the basis (contact/pair_rows.hpp), and rows of the
-// basis whose rows in the reduced scene are dependent.
+// Lists an island's dependent rows; in pairs, rows outside the basis, and rows that depend in the reduced scene.
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };

@@ -28,8 +28,7 @@ struct ThreadWork;
 
 namespace internal {
 
-/// The accuracy of an island's a or f: the largest entry (size), its error bound (error), and the largest magnitude
-/// that the loads may cause (acts).
+/// The accuracy of an island's a or f: largest entry (size), its error bound (error), largest effect of loads (acts).
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -71,14 +70,12 @@ struct AdjointProduct {
   Eigen::Ref<Eigen::VectorXd> &wq, &wv, &wtau;
 };
 
-/// An algorithm that solves an island. A function that has no sound result returns false and leaves its outputs
-/// undefined.
+/// An algorithm that solves an island. Functions without a sound result return false, with undefined outputs.
 class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Factorizes at the current q and v, solves for data.tau with refinement and checks, and sets data.a, data.f and the
-  /// report. If the result is false, report.reason contains the reason, if known.
+  /// Solves for data.tau at the current state. Sets data.a, data.f and report; if it fails, report.reason, if known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
   /// Computes the requested derivatives of the current solution in the panel X, already allocated by lay_out.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
@@ -89,8 +86,7 @@ class IslandSystem {
   virtual bool invert(const Scene &, SceneData &, ThreadWork &, ProductWork &) { return false; }
   /// Sets error_acceleration and error_forces of the report (estimate_errors).
   virtual bool bound_errors(const Scene &, SceneData &, IslandReport &) { return false; }
-  /// Sets the report's condition.
-  virtual bool estimate_condition(const Scene &, SceneData &, IslandReport &) { return false; }
+  virtual bool estimate_condition(const Scene &, SceneData &, IslandReport &) { return false; }  // report.condition
 };
 
 }  // namespace manycontact

@@ -11,9 +11,8 @@ namespace {
 
 using internal::TruthTerms;
 
-// K (upper triangle) and b of an island in scalars S, in the elimination order of its pattern.
 template <class S>
-struct System {
+struct System {  // K (upper triangle) and b of an island in scalars S, in the pattern's elimination order
   const sparse::UpperCsc& A;
   std::vector<S> K, b, x, r;
 };
@@ -41,9 +40,8 @@ System<S> assemble_system(const Scene& scene, const TruthTerms<S>& t, const Isla
   return s;
 }
 
-// Computes r = b - K x; returns max |r| / max (|b| + |K| |x|).
 template <class S>
-S backward_error(System<S>& s) {
+S backward_error(System<S>& s) {  // sets r = b - K x; returns max |r| / max (|b| + |K| |x|)
   using std::abs;
   s.r = s.b;
   std::vector<S> scale(s.b.size());
@@ -65,8 +63,7 @@ S backward_error(System<S>& s) {
   return worst == 0 ? worst : S(worst / largest);
 }
 
-// Refines x until the residual no longer decreases, as a small residual alone does not suffice for an ill-conditioned
-// K. Returns whether x converged.
+// Refines x until the residual no longer decreases (K may be ill-conditioned). Returns whether x converged.
 template <class S>
 bool refine_island(Factor& factor, System<S>& s) {
   std::vector<double> dx(s.b.size());

@@ -5,15 +5,13 @@
 
 namespace manycontact::internal {
 
-/// Copies the properties of a contact that may change.
 inline void take_changes(const Contact& from, Contact& to) {
   to.reference_frame = from.reference_frame;
   to.alpha = from.alpha, to.beta = from.beta;
   to.B.placement = from.B.placement;
 }
 
-/// Copies the properties of a scene that may change, except those of contacts. `to` contains the robots, wrenches and
-/// springs of `from` once or several times.
+/// Copies all but contacts. `to` contains the robots, wrenches and springs of `from` once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;
@@ -41,8 +39,7 @@ inline void take_changes(const Scene& from, Scene& to) {
   });
 }
 
-/// Copies the properties that may change, contacts included.
-inline void take_all_changes(const Scene& from, Scene& to) {
+inline void take_all_changes(const Scene& from, Scene& to) {  // contacts included
   take_changes(from, to);
   for (std::size_t c = 0; c < to.contacts.size(); ++c)
     take_changes(from.contacts[c % from.contacts.size()], to.contacts[c]);

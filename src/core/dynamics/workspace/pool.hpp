@@ -16,18 +16,14 @@ class IslandPool {
  public:
   std::size_t most = std::size_t(256) << 20;
 
-  /// Removes and returns an island of this shape; nullptr if there is none.
-  std::unique_ptr<IslandWork> take(const IslandShape& shape);
-  /// Adds an island. now: Workspace::layout, which counts as the time of the island's last use.
-  void give(std::unique_ptr<IslandWork> island, std::uint64_t now);
+  std::unique_ptr<IslandWork> take(const IslandShape& shape);        // removes an island of this shape, or nullptr
+  void give(std::unique_ptr<IslandWork> island, std::uint64_t now);  // now: Workspace::layout, as time of last use
   void clear();
-  /// If the islands exceed `most` bytes, deletes the least recently used until at most half of `most` remains. Returns
-  /// whether any were deleted.
+  /// Above `most` bytes, deletes the least recently used down to half of `most`. Returns whether any were deleted.
   bool trim();
 
-  /// Calls use(island) for all islands of the pool.
   template <class Use>
-  void each(Use&& use) const {
+  void each(Use&& use) const {  // calls use(island) for all islands
     for (const auto& [shape, entries] : islands_)
       for (const Entry& entry : entries) use(*entry.island);
   }

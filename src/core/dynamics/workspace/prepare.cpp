@@ -1,5 +1,4 @@
-// Updates the islands after contacts were switched. Only islands with switched contacts change; shapes are analysed
-// once.
+// Updates islands after contacts were switched. Only islands with switched contacts change; shapes are analysed once.
 
 #include <algorithm>
 #include <set>
@@ -28,8 +27,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-// Returns the options for w.islands. With a reduction, only views use these islands, so that any order will do.
-Options options_of_islands(const Workspace& w) {
+Options options_of_islands(const Workspace& w) {  // any order will do with a reduction: only views use these
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
   return options;
@@ -48,8 +46,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-// Allocates the first system that tries to solve each island. SIMD batches have their own memory.
-void make_first_systems(const Scene& scene, Workspace& w) {
+void make_first_systems(const Scene& scene, Workspace& w) {  // allocates systems tried first, except batches
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
     if (d.bodies) {
@@ -102,8 +99,7 @@ void change_islands(const Scene& scene, const SceneData& data, Workspace& w, boo
     for (int r : w.islands[i]->island.robots) w.robot_island[r] = static_cast<int>(i);
 }
 
-// Frees analyses and kernels of islands that are neither current nor pooled.
-void forget_unused(Workspace& w) {
+void forget_unused(Workspace& w) {  // frees analyses and kernels of islands that are neither current nor pooled
   std::set<const IslandShape*> used;
   for (const auto& island : w.islands) used.insert(island->shape.get());
   w.pool.each([&used](const IslandWork& island) { used.insert(island.shape.get()); });
@@ -111,8 +107,7 @@ void forget_unused(Workspace& w) {
   internal::forget_unused_groups(w);
 }
 
-// Moves the memory of derivatives into the islands, so that the pool keeps it with each island.
-void keep_derivatives(Workspace& w) {
+void keep_derivatives(Workspace& w) {  // moves their memory into the islands, so that the pool keeps it with each
   for (std::size_t i = 0; i < w.derivatives.islands.size() && i < w.islands.size(); ++i)
     w.islands[i]->derivatives = std::move(w.derivatives.islands[i]);
 }

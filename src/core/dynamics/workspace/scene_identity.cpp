@@ -18,9 +18,8 @@ SceneIdentity::SceneIdentity(const Scene& scene) {
 
 namespace {
 
-// Whether x and y differ in any bit, so that NaN equals itself.
 template <class Matrix>
-bool differ(const Matrix& x, const Matrix& y) {
+bool differ(const Matrix& x, const Matrix& y) {  // whether any bit differs, so that NaN equals itself
   return std::memcmp(x.data(), y.data(), sizeof(double) * x.size()) != 0;
 }
 

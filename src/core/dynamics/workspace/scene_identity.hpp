@@ -9,10 +9,8 @@ namespace manycontact {
 class SceneIdentity {
  public:
   explicit SceneIdentity(const Scene& scene);
-  /// Describes how `scene` differs from the stored scene; empty if it does not differ.
-  std::string difference(const Scene& scene) const;
-  /// Describes how `scene` differs in the numbers of robots and contacts, or in robots and contacts of `island`. The
-  /// time depends on the size of the island only.
+  std::string difference(const Scene& scene) const;  // how the scenes differ; empty if they do not
+  /// Compares only the numbers of robots and contacts, and those in `island`. The time depends on its size only.
   std::string difference(const Scene& scene, const Island& island) const;
 
  private:

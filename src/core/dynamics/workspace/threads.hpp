@@ -6,24 +6,21 @@
 
 namespace manycontact::internal {
 
-/// Calls work(item, thread's memory) for items 0 ... count-1. Item k runs in thread k mod (number of threads). Throws
-/// what `work` throws.
+/// Calls work(k, thread's memory) for k < count, in thread k mod (number of threads). Throws what `work` throws.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, Work&& work) {
   run_items(std::span<Failure>(w.failures), static_cast<std::ptrdiff_t>(count),
             [&](std::ptrdiff_t item, int thread) { work(static_cast<std::size_t>(item), w.threads[thread]); });
 }
 
-/// Calls the each_item above if `worth_threads`. Otherwise all items run in the calling thread, but each with the
-/// memory of the thread that the function above would choose.
+/// Calls the function above if `worth_threads`; else runs all items in this thread, each with the memory it has above.
 template <class Work>
 void each_item(Workspace& w, std::size_t count, bool worth_threads, Work&& work) {
   if (worth_threads) return each_item(w, count, work);
   for (std::size_t k = 0; k < count; ++k) work(k, w.threads[k % w.threads.size()]);
 }
 
-/// Whether the predicted work [s] is large enough to wake the threads.
-inline bool are_worth_threads(const Workspace& w, double seconds) {
+inline bool are_worth_threads(const Workspace& w, double seconds) {  // whether `seconds` of work justify waking threads
   return seconds >= w.worth_a_thread * static_cast<double>(w.threads.size());
 }
 /// Calls work(island, number of the island, thread's memory), first for islands with with_all_threads(island), one by

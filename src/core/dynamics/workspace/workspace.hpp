@@ -23,8 +23,7 @@
 
 namespace manycontact {
 
-/// One robot's terms at q, v, in its tree frame; set by evaluate. While an AtSolution exists, kin.a are the solution's
-/// accelerations of bodies, otherwise the bias accelerations.
+/// A robot's terms at q, v, in its tree frame, set by evaluate. kin.a: bias (with an AtSolution, total) accelerations.
 struct RobotData : RobotQuantities<double> {
   using RobotQuantities::RobotQuantities;
   std::uint64_t state = 0;   // Workspace::state at which all members were computed
@@ -32,8 +31,7 @@ struct RobotData : RobotQuantities<double> {
   std::vector<double> M;     // packed inertia (detail/algorithm/crba.hpp); empty until make_joint_space
 };
 
-/// The memory of one island. When contacts are switched, the pool keeps it for the next island of the same shape.
-struct IslandWork {
+struct IslandWork {  // memory of an island, which the pool keeps for the next island of the same shape
   IslandWork(std::shared_ptr<IslandShape> s, const Options& options);
 
   std::shared_ptr<IslandShape> shape;
@@ -49,8 +47,7 @@ struct IslandWork {
   bool joinable = true;              // whether a RobotsSystem is possible, and not predicted to be slower
   IslandSystem* answered = nullptr;  // the system that solved, and also differentiates; nullptr: no solution
   bool answered_by(const IslandSystem* system) const { return system && answered == system; }
-  /// The value of `answered` if a SIMD batch of single-robot islands solved the island. This object solves nothing.
-  inline static IslandSystem batches;
+  inline static IslandSystem batches;  // `answered` if a SIMD batch solved the single-robot island; solves nothing
   /// Whether a SIMD batch solved the island, and may compute its derivatives and products.
   bool served_in_lanes() const { return answered_by(&batches) && alone.panel_is_safe; }
   /// Whether SIMD batches solve the island first, so that K need not be assembled.
@@ -80,8 +77,7 @@ struct Switching {
   std::vector<std::unique_ptr<IslandWork>> old, next;  // islands before and after contacts are switched
 };
 
-/// Scratch of one thread.
-struct ThreadWork {
+struct ThreadWork {  // scratch of one thread
   int number = 0;
   FactorScratch scratch;
   PanelWork panel;
@@ -132,8 +128,7 @@ struct Workspace {
   OnDemand<ContactData<double>> contacts;  // constraint rows, at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // one entry per contact: the `state` at which its rows were evaluated
 
-  // Pairs only: ContactData::left (contact/pair_rows.hpp), set with the rows. left_offset: where each contact's numbers
-  // begin in `left`; -1: no pair.
+  // Pairs: ContactData::left, set with the rows. left_offset: where a contact's numbers begin in `left`; -1: no pair.
   std::vector<int> left_offset;
   std::vector<double> left;
 

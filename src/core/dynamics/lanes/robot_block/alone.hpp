@@ -27,8 +27,7 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the usable elements where each row has a sound pivot, joins the kept rows, or depends on
-/// kept rows (waiting_rows.hpp).
+/// Computes L and D. Returns the elements where each row has a sound pivot, joins the kept rows, or depends on them.
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -95,16 +94,14 @@ typename S::Mask RobotBlock<S>::correct(Mask open) {
   return same_sizes;
 }
 
-/// Computes r = b - K x and scale = |b| + |K| |x|. Returns the backward error.
 template <class S>
-S RobotBlock<S>::residual() {
+S RobotBlock<S>::residual() {  // r = b - K x, scale = |b| + |K| |x|; returns the backward error
   residual_and_sizes();
   return backward_error();
 }
 
-/// Returns the componentwise backward error of r, or NaN (Factor::backward_error).
 template <class S>
-S RobotBlock<S>::backward_error() {
+S RobotBlock<S>::backward_error() {  // componentwise, of r, or NaN (Factor::backward_error)
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
   if (!rows_wait()) return componentwise_error<S>(r, scale_.data());
   waiting_.scale_of_dependent(scale_.data(), n_.w);
@@ -124,9 +121,8 @@ S RobotBlock<S>::residual(Mask same_sizes) {
   return backward_error();
 }
 
-/// Solves x = K^-1 b with refinement (sparse/refine.hpp); each element takes as many steps as it would take alone.
 template <class S>
-void RobotBlock<S>::refine() {
+void RobotBlock<S>::refine() {  // solves x = K^-1 b with refinement; each element takes its own number of steps
   if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
@@ -196,9 +192,8 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots) {
   }
 }
 
-/// Adds to b and r the inconsistency of dependent rows, which refine() had subtracted from b.
 template <class S>
-void RobotBlock<S>::restore_contradiction() {
+void RobotBlock<S>::restore_contradiction() {  // adds to b and r the inconsistency that refine() subtracted
   const Mask of = waiting_.elements();
   for (int i = pattern_.nv; i < rows_; ++i) {
     const int k = pattern_.iperm[i];

@@ -1,7 +1,6 @@
 #pragma once
-// RobotBlock: computes derivatives K^-1 B of single-robot islands, where B = -dr/d(q, v, u). For coupled robots,
-// computes K_r^-1 [E, B_r], where B_r is -dr/d(q, v, u) of the robot alone, and E are unit forces on the bodies of
-// coupling contacts (systems/robots/derivatives.hpp).
+// RobotBlock: derivatives K^-1 B of single-robot islands, B = -dr/d(q, v, u). For coupled robots K_r^-1 [E, B_r], with
+// B_r for the robot alone, and unit forces E on the bodies of coupling contacts (systems/robots/derivatives.hpp).
 
 #include <functional>
 #include <numeric>
@@ -41,9 +40,8 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
   solve_panels(L, panels, projected > S(0), &waiting_, job);
 }
 
-/// Computes Robot::ends, one MovingEnd per coupling contact.
 template <class S>
-void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {
+void RobotBlock<S>::move_ends(const DerivativeJob& job, Robots robots) {  // sets Robot::ends, one per coupling contact
   linearise(job, robots, nullptr);
   rnea_derivatives<S>(*model_, robot_.kin, robot_.Yc, {}, rnea_);  // sets Psid, Psidd and Sv
   collect_ends({&robot_.kin.J, &rnea_.Psid, &rnea_.Psidd, &rnea_.Sv});
@@ -74,8 +72,7 @@ void RobotBlock<S>::derivative_terms(const Scene& scene, Robots robots) {
   }
 }
 
-/// Finds the nonzero rows of each coordinate's column of -dr/dq: ancestors, descendants, and the contacts on bodies
-/// that the coordinate moves.
+/// Finds nonzero rows of -dr/dq per coordinate: ancestors, descendants, and contacts on bodies that it moves.
 template <class S>
 void RobotBlock<S>::find_places() {
   const int nv = model_->nv;
@@ -129,9 +126,8 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
   request_ = job.request;
 }
 
-/// Forms bands of columns whose solutions fit in the L2 cache and, in each band, chunks of parts (kPart adjacent
-/// columns) with similar nonzero rows. Allocates right-hand sides and solutions. reach: flags of each part's nonzero
-/// rows, in the pattern's order.
+/// Forms bands of columns whose solutions fit in the L2 cache and, in each band, chunks of parts (kPart columns) with
+/// similar nonzero rows. Allocates B and X. reach: flags each part's nonzero rows, in the pattern's order.
 template <class S>
 auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
   constexpr std::size_t kBand = 1 << 19;  // bytes
@@ -230,8 +226,7 @@ void RobotBlock<S>::right_sides(const DerivativeJob& job, Robots robots) {
   }
 }
 
-/// Returns the elements whose panels need no refinement, as the bound |dK|_1 / |K|_1 of the factor's rounding errors
-/// (sparse::ldl_rounding) is at most kRefinePanel.
+/// Returns elements that need no refinement: rounding errors |dK|_1 / |K|_1 (ldl_rounding) are at most kRefinePanel.
 template <class S>
 typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   sparse::ldl_row_sums(inner_.K, as_scalar(n_.K), inner_.ldl, as_scalar(L), as_scalar(n_.D), as_scalar(r_.data()),
@@ -244,9 +239,8 @@ typename S::Mask RobotBlock<S>::accurate_unrefined(const S* L) {
   return S(rounding_) * of_factor <= S(tolerance::kRefinePanel) * of_K;
 }
 
-/// Returns L without the border's rows, which are the last entries of each column.
 template <class S>
-const S* RobotBlock<S>::inner_L() {
+const S* RobotBlock<S>::inner_L() {  // L without the border's rows, the last entries of each column
   if (plan_->border() == 0) return n_.L;
   for (int j = 0; j < rows_; ++j)
     std::copy_n(n_.L + pattern_.ldl.Lp[j], inner_.ldl.Lp[j + 1] - inner_.ldl.Lp[j], inner_L_.data() + inner_.ldl.Lp[j]);
@@ -367,10 +361,9 @@ void RobotBlock<S>::load_chunk(std::size_t chunk, Number* x) const {
   }
 }
 
-/// Sets R -= K X, N columns of each.
 template <class S>
 template <int N>
-void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {
+void RobotBlock<S>::subtract_product(const Number* X, Number* R) const {  // R -= K X, N columns of each
   using Row = sparse::kernel::Tile<Number, N>;
   const sparse::UpperCsc& K = pattern_.K;
   const Number* values = as_scalar(n_.K);

@@ -5,9 +5,8 @@
 
 namespace manycontact::lanes {
 
-/// Prefetches the memory that the next batch will write: K, b and JoinedEnds.
 template <class S>
-void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {
+void RobotBlock<S>::prefetch_cached(Prefetch prefetch) const {  // prefetches K, b, JoinedEnds of the next batch
   constexpr std::size_t kLine = 64 / sizeof(S);
   for (std::size_t k = 0; k < plan_->kept_size() + plan_->joins_size(); k += kLine) prefetch.fetch_to_write(n_.K + k);
 }
@@ -103,18 +102,16 @@ void RobotBlock<S>::load(const Job& job, Robots robots, double* memory) {
   begin(robots);
 }
 
-/// Sets x = 0 and r = b, without the inconsistency of redundant rows.
 template <class S>
-void RobotBlock<S>::begin(Robots robots) {
+void RobotBlock<S>::begin(Robots robots) {  // sets x = 0 and r = b, without the inconsistency of redundant rows
   std::fill_n(n_.x, pattern_.size(), S(0));
   if (rows_wait()) waiting_.take_out(n_.b);
   std::copy_n(n_.b, pattern_.size(), r_.data());
   forward(robots, all());
 }
 
-/// Computes w = L^-1 r and the contribution of w to the border. Both are zero for robots that are not `open`.
 template <class S>
-void RobotBlock<S>::forward(Robots robots, Mask open) {
+void RobotBlock<S>::forward(Robots robots, Mask open) {  // w = L^-1 r and its part of the border; both zero unless open
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
   std::fill_n(n_.w + rows_, plan_->border(), S(0));
   if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));

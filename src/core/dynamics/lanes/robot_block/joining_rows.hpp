@@ -29,9 +29,8 @@ void factor_dense(S* G, std::ptrdiff_t n, InverseOf&& inverse_of) {
     row[a] = inverse_of(static_cast<int>(a), row[a]);
   }
 }
-/// Sets t = G^-1 t for C columns, row-major, after factor_dense.
 template <int C, class V>
-void solve_dense(const V* G, int n, V* t) {
+void solve_dense(const V* G, int n, V* t) {  // t = G^-1 t for C columns, row-major, after factor_dense
   using Row = sparse::kernel::Tile<V, C>;
   const auto row = [&](int a, int from, int to, auto&& l, const V& scale) {
     Row sum = Row::load(t + a * C).times(scale);
@@ -59,8 +58,7 @@ class JoiningRows {
   void reserve(int columns) { t_.resize(std::max(t_.size(), static_cast<std::size_t>(most_ * columns))); }
 
   void clear() { most_in_any_ = 0, std::fill_n(count_, W, 0); }
-  /// Adds row k to the list of an element.
-  void add(int lane, int k) {
+  void add(int lane, int k) {  // adds row k to the list of an element
     listed_[lane * most_ + count_[lane]++] = k;
     most_in_any_ = std::max(most_in_any_, count_[lane]);
   }
@@ -94,8 +92,7 @@ class JoiningRows {
     });
   }
 
-  /// Extend a solve to the listed rows. Call `before`, then overwrite x with K1^-1 x, then call `after`. x: C columns,
-  /// row-major.
+  /// Extend a solve to listed rows: `before`, the caller's x = K1^-1 x, then `after`. x: C columns, row-major.
   template <int C, class V>
   void before(const V* x) {
     using Row = sparse::kernel::Tile<V, C>;

@@ -6,9 +6,8 @@
 
 namespace manycontact::lanes {
 
-/// Solves x = K^-1 b with up to one step of refinement.
 template <class S>
-void RobotBlock<S>::solve_once_refined() {
+void RobotBlock<S>::solve_once_refined() {  // x = K^-1 b with up to one step of refinement
   if (rows_wait()) waiting_.project_out(n_.b);
   std::copy_n(n_.b, rows_, n_.x);
   apply_inverse(n_.x);
@@ -38,9 +37,8 @@ internal::JacobianRate<S> RobotBlock<S>::jacobian_rate(const Scene& scene, Robot
           robot_.kin};
 }
 
-/// Computes y_ such that J y_ are the contact forces.
 template <class S>
-void RobotBlock<S>::motion_of_forces() {
+void RobotBlock<S>::motion_of_forces() {  // computes y_ such that J y_ are the contact forces
   for (int i = 0; i < model_->nv; ++i) n_.b[pattern_.iperm[i]] = S(0);
   for (std::size_t k = 0; k < contacts_.size(); ++k)
     for (Eigen::Index i = 0; i < contact_f_[k].size(); ++i) n_.b[rows_of(k)[i]] = contact_f_[k][i];

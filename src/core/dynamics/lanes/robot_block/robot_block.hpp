@@ -24,8 +24,7 @@
 
 namespace manycontact::lanes {
 
-/// An empty type for members that kernels in single precision do not need.
-struct Without {
+struct Without {  // an empty type for members that kernels in single precision do not need
   explicit Without(const Model&) {}
 };
 
@@ -57,10 +56,8 @@ class RobotBlock final
   void move_ends(const DerivativeJob& job, Robots robots);
 
  private:
-  /// The number type of sparse kernels: S, or plain numbers if S has one element.
-  using Number = std::conditional_t<W == 1, typename S::Element, S>;
-  /// Arrays in a batch's memory: K (KktMatrix), its factors L, D, right-hand side b, solution x, scratch w = L^-1 r.
-  struct Numbers {
+  using Number = std::conditional_t<W == 1, typename S::Element, S>;  // the number type of sparse kernels
+  struct Numbers {  // arrays in a batch's memory: K, its factors L, D, right-hand side b, solution x, w = L^-1 r
     S *K, *b, *L, *D, *x, *w;
   };
   /// Prefetches the next batch's memory, which other batches have displaced from the cache.
@@ -113,8 +110,7 @@ class RobotBlock final
     int i, j;
     bool of_tree;  // whether robot_columns writes the entry
   };
-  /// Access to the right-hand sides in B_ by row and column of the panel.
-  struct Indexed {
+  struct Indexed {  // access to the right-hand sides in B_ by row and column of the panel
     S* B;
     const int* place;
     int ld;
@@ -211,8 +207,7 @@ class RobotBlock final
   void subtract_product(const Number* X, Number* R) const;
   void solve_refined(const S* L, int lane, const Panel& panel, int ld);
 
-  /// Returns the first address in work_ that is aligned to a cache line; solutions begin there.
-  Number* answer() {
+  Number* answer() {  // the first cache-line-aligned address in work_, where solutions begin
     return reinterpret_cast<Number*>(work_.data() +
                                      (64 - reinterpret_cast<std::uintptr_t>(work_.data()) % 64) % 64 / sizeof(double));
   }
@@ -223,8 +218,7 @@ class RobotBlock final
     return [this](std::size_t k) { return n_.K[pattern_.K.p[k + 1] - 1]; };
   }
   static Mask all() { return S(0) <= S(0); }
-  /// Returns the robot of an element (lane); surplus elements repeat the last robot.
-  static const Robot& in_lane(Robots robots, int lane) {
+  static const Robot& in_lane(Robots robots, int lane) {  // an element's robot; surplus elements repeat the last
     return robots[std::min<std::size_t>(static_cast<std::size_t>(lane), robots.size() - 1)];
   }
   /// Loads `count` numbers of each robot, from the address at(robot of the scene, robot), into the elements of `to`.
@@ -289,8 +283,7 @@ class RobotBlock final
   DerivativeRequest request_;              // the request for which reach_ was computed
   std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
-  // Whether right-hand sides B, and L^-1 B, may be nonzero: per chunk, one flag per row of K, in K's order.
-  std::vector<char> reach_, reached_;
+  std::vector<char> reach_, reached_;  // flags per chunk and row of K: B, and L^-1 B, may be nonzero
   std::vector<char> nonzero_;  // one flag per row of K
   std::vector<S> B_;           // right-hand sides, chunk by chunk: rows that may be nonzero, in the pattern's order
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero

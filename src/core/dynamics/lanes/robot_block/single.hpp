@@ -18,9 +18,8 @@ inline double without_turns(double q, double per_turn) {
   return std::abs(q) <= kLargestAngle ? rest : q;
 }
 
-/// Allocates the members used in single precision.
 template <class S>
-void RobotBlock<S>::make_single() {
+void RobotBlock<S>::make_single() {  // allocates the members used in single precision
   near_q_.resize(static_cast<std::size_t>(W * model_->nq));
   per_turn_.assign(static_cast<std::size_t>(model_->nq), 0.0);
   for (const Joint& joint : model_->joints) {
@@ -123,9 +122,8 @@ void RobotBlock<S>::size_drifts(const Scene& scene, Robots robots, const S& a, S
   }
 }
 
-/// Returns the largest |x| of rows first ... end-1 in the island's order; x is in K's order.
 template <class S>
-S RobotBlock<S>::largest(const S* x, int first, int end) const {
+S RobotBlock<S>::largest(const S* x, int first, int end) const {  // |x| of island rows [first, end); x: in K's order
   FourLargest<S> of;
   for (int i = first; i < end; ++i) of.take(i % 4, abs(x[pattern_.iperm[i]]));
   return of.total();

@@ -23,9 +23,8 @@ void RobotBlock<S>::load_state(const Job& job, Robots robots) {
   load_ends(job.scene, robots);
 }
 
-/// Loads the placements, inertias and armatures of the robots' models, unless all robots have the plan's model.
 template <class S>
-void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
+void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {  // skipped if all robots have the plan's model
   static_assert(sizeof(Inertia<double>) == 13 * sizeof(double) && sizeof(Inertia<S>) == 13 * sizeof(S));
   const auto of = [&scene](const Robot& r) -> const std::shared_ptr<const Model>& {
     return scene.robots[r.number].model;
@@ -44,9 +43,8 @@ void RobotBlock<S>::load_model(const Scene& scene, Robots robots) {
   load(model_->nv, own_model_.armature.data(), [](const Model& m) { return m.armature.data(); });
 }
 
-/// Loads the placements of contact frames, on moving bodies or fixed.
 template <class S>
-void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {
+void RobotBlock<S>::load_ends(const Scene& scene, Robots robots) {  // placements of contact frames, moving or fixed
   static_assert(sizeof(StandingEnd<double>) == 15 * sizeof(double) && sizeof(StandingEnd<S>) == 15 * sizeof(S));
   StandingEnd<double> ends[W];
   const double* from[kMostInBatch];
@@ -101,8 +99,7 @@ void RobotBlock<S>::load_start(const Job& job, Robots robots) {
   load_each(job.scene, robots, model_->nv, a_.data(), [&](const auto& r, auto&) { return job.start->stop + r.idx_v; });
 }
 
-/// Sets the bias torques robot_.h to start.h (the time step) times the inverse dynamics at (q, v, a_), then velocities
-/// to zero.
+/// Sets robot_.h to start.h (the time step) times the inverse dynamics at (q, v, a_), then velocities to zero.
 template <class S>
 void RobotBlock<S>::evaluate_start(const StartOfStep& start) {
   Kinematics<S>& kin = robot_.kin;
@@ -157,8 +154,7 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes sizes of rows of J and the motion scale, to find rows of mere rounding errors, which pivots do not reveal.
-/// With damping every row is sound.
+/// Computes row sizes of J and the motion scale, to find rows of mere rounding errors; damping makes every row sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);
@@ -184,9 +180,8 @@ void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   }
 }
 
-/// Writes J and -delta I into K, without the border, whose J `factor` writes.
 template <class S>
-void RobotBlock<S>::assemble_rows(double damping) {
+void RobotBlock<S>::assemble_rows(double damping) {  // J and -delta I into K; `factor` writes the border
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_)
     for (Eigen::Index k = 0; k < rows.J.size(); ++k) n_.K[*slot++] = rows.J.data()[k];
@@ -208,9 +203,8 @@ void RobotBlock<S>::assemble_right_side(const Job& job, Robots robots) {
   std::fill_n(n_.b + rows_, plan_->border(), S(0));
 }
 
-/// Computes r = b - K x, scale = |b| + |K| |x|.
 template <class S>
-void RobotBlock<S>::residual_and_sizes() {
+void RobotBlock<S>::residual_and_sizes() {  // r = b - K x, scale = |b| + |K| |x|
   sparse::ldl_scheduled_residual(pattern_.K, as_scalar(n_.K), as_scalar(n_.x), as_scalar(n_.b), as_scalar(r_.data()),
                                  as_scalar(scale_.data()));
 }

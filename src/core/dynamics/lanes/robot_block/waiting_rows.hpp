@@ -23,14 +23,12 @@ class WaitingRows {
   using Mask = typename S::Mask;
   explicit WaitingRows(const BlockPlan& plan);
 
-  /// Allocates memory to project `columns` columns at a time.
-  void reserve(int columns) {
+  void reserve(int columns) {  // memory to project `columns` columns at a time
     t_.resize(std::max(t_.size(), most_ * static_cast<std::size_t>(columns)));
     joining_.reserve(columns);
   }
 
-  /// Sets the memory of the current robots: BlockPlan::waiting_size numbers each.
-  void use(S* memory) {
+  void use(S* memory) {  // memory of the current robots: BlockPlan::waiting_size numbers each
     waiting_ = memory;
     row_terms_ = waiting_ + 1;
     row_size_ = row_terms_ + rows_;
@@ -45,13 +43,10 @@ class WaitingRows {
   /// The size of row k of J (rank/row_size.hpp), and the row's largest entry, k in K's order. Set before factorizing.
   S& row_size(int k) const { return row_size_[k]; }
   S& largest_entry(int k) const { return entry_[k]; }
-  /// The largest term of row k's a0 (bias_acceleration_terms), relative to which the row's inconsistency is judged.
-  S& row_terms(int k) const { return row_terms_[k]; }
-  /// Entry k of P x that take_out subtracted from x.
-  const S& null_component(int k) const { return null_component_[k]; }
+  S& row_terms(int k) const { return row_terms_[k]; }  // largest term of row k's a0, to judge inconsistency
+  const S& null_component(int k) const { return null_component_[k]; }  // entry k of P x that take_out subtracted
 
-  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows of an
-  /// element.
+  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {
@@ -80,8 +75,7 @@ class WaitingRows {
   template <class Solve>
   Mask hold(Mask usable, const S* K, const S* L, S* D, S* pivot_terms, Solve&& solve);
 
-  /// Extend a solve to the joined rows: call before_solve, then overwrite x with K1^-1 x, then call after_solve. x: C
-  /// columns, row-major.
+  /// Extend a solve to joined rows: before_solve, the caller's x = K1^-1 x, after_solve. x: C columns, row-major.
   template <int C, class V>
   void before_solve(const V* x) {
     if (joining_.any()) joining_.template before<C>(x);
@@ -101,8 +95,7 @@ class WaitingRows {
     }
   }
 
-  /// Sets x -= P x in the rows of J.
-  void project_out(S* x) { project_out<1>(as_scalar(x)); }
+  void project_out(S* x) { project_out<1>(as_scalar(x)); }  // x -= P x in the rows of J
   /// Sets x -= P x in the rows of J, and stores P x in null_component.
   void take_out(S* x) {
     project_out(x);
@@ -114,9 +107,8 @@ class WaitingRows {
   void project_out(V* x) {
     subtract_null_component<C>(x, x);
   }
-  /// Sets x -= P y for C columns, row-major.
   template <int C, class V>
-  void subtract_null_component(const V* y, V* x) {
+  void subtract_null_component(const V* y, V* x) {  // x -= P y for C columns, row-major
     using Row = sparse::kernel::Tile<V, C>;
     V* t = as_scalar(t_.data());
     for (int c = 0; c < *count_; ++c) {
@@ -139,15 +131,13 @@ class WaitingRows {
   struct Entry {  // an entry of J in K (row: the coordinate), or of L between rows of J (row: the earlier one)
     int row, slot;
   };
-  /// Lists of entries, one per row of K.
-  struct Entries {
+  struct Entries {  // lists of entries, one per row of K
     std::vector<int> first;
     std::vector<Entry> of;
     std::span<const Entry> at(int k) const { return std::span(of).subspan(first[k], first[k + 1] - first[k]); }
   };
 
-  /// N and Q share one array: column c of Q is column of_Q(c) of the array.
-  int of_Q(int c) const { return static_cast<int>(most_) + c; }
+  int of_Q(int c) const { return static_cast<int>(most_) + c; }  // index of Q's column c in the array of N and Q
   S& N(int c, int row) const { return N_[static_cast<std::ptrdiff_t>(c) * rows_ + row]; }
   /// column: the rows of a column that are nonzero in any element, ascending. list: these rows after their count.
   int* list(int c) const { return lists_ + c * (static_cast<int>(of_J_.size()) + 1); }
@@ -158,9 +148,8 @@ class WaitingRows {
     for (int k : of_J_)
       if (!is_zero(N(c, k))) rows[++rows[0]] = k;
   }
-  /// Calls use(element, row) for the waiting rows stored in column c.
   template <class Use>
-  void each_of_column(int c, Use&& use) const {
+  void each_of_column(int c, Use&& use) const {  // calls use(element, row) for the waiting rows in column c
     for (int l = 0; l < W; ++l)
       if (c < count_[1 + l]) use(l, of(l)[c]);
   }
@@ -300,9 +289,8 @@ void WaitingRows<S>::join(const S* K, Solve&& solve) {
   }
 }
 
-/// Removes rows marked kJoined from an element's list, and their columns from N.
 template <class S>
-void WaitingRows<S>::forget(int lane) {
+void WaitingRows<S>::forget(int lane) {  // removes an element's rows marked kJoined, and their columns of N
   int *const rows = listed_ + lane * most_, kept = 0;
   for (int c = 0; c < *count_; ++c) {
     const bool keep = c < count_[1 + lane] && rows[c] != kJoined;
@@ -335,8 +323,7 @@ typename S::Mask WaitingRows<S>::count(Mask usable, S* D, S* pivot_terms) {
   return usable & (*waiting_ <= S(static_cast<double>(most_)));
 }
 
-/// Sets column c of N to e_k - z for the waiting row k. L^T z = l_k over the rows of J before k, where l_k is row k of
-/// L.
+/// Sets column c of N to e_k - z for waiting row k, where L^T z = l_k over earlier rows of J; l_k: row k of L.
 template <class S>
 void WaitingRows<S>::null_column(int c, const S* L) {
   for (int k : of_J_) x_[k] = N(c, k) = S(0);

@@ -155,8 +155,7 @@ rank::Contradiction<double> contradiction_of(const Scene& scene, const Workspace
   return of;
 }
 
-// Solves without the redundant rows. Their inconsistency is removed from b for the solve; the reported residual
-// includes this inconsistency.
+// Solves without the redundant rows, whose inconsistency is removed from b, but is part of the reported residual.
 Reason solve_without_dependent(BodiesSystem& bodies, sparse::Refinement& refinement) {
   BodySolve& v = bodies.solution;
   const BodySystem& s = bodies.factor.system;

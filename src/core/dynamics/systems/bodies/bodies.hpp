@@ -11,8 +11,7 @@
 
 namespace manycontact {
 
-/// The constrained body of a cut: its acceleration, the factor of its six rows, and their numbers in data.f.
-struct HeldBody {
+struct HeldBody {  // a cut's constrained body: its acceleration, factor of its six rows, and their numbers in data.f
   Vec6<double> a;
   BodyHold hold;
   int row[6];
@@ -31,8 +30,7 @@ class BodiesSystem final : public IslandSystem {
   bool bound_errors(const Scene&, SceneData&, IslandReport&) override;
   bool estimate_condition(const Scene&, SceneData&, IslandReport&) override;
 
-  /// Solves the whole island at the current state. Returns false if pivots are not sound, or if rows are dependent.
-  bool make_current(const Scene&, const SceneData&);
+  bool make_current(const Scene&, const SceneData&);  // solves the whole island; false if pivots fail, or rows depend
 
   IslandWork& owner;
   std::vector<BodyKinematics<double>> kin;  // one entry per robot of the island; set by solve
@@ -71,8 +69,7 @@ class BodiesSystem final : public IslandSystem {
 
 namespace internal {
 
-/// Values for the report of an island: the worst or largest over all subtrees solved.
-struct BodyAnswer {
+struct BodyAnswer {  // values for the report of an island: worst or largest over all subtrees solved
   sparse::Refinement refinement;
   int nonzeros = 0;
   double r[2] = {0, 0}, scale[2] = {0, 0};  // the largest: dynamics rows, contact rows
@@ -82,8 +79,7 @@ struct BodyAnswer {
 /// Solves subtree by subtree. Returns false if the island is one subtree, or if a subtree has no sound solution.
 bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
-/// Evaluate the equations of one body (as node `at`, with coordinates from `dof` on), or of one contact (as rows from
-/// `first` on).
+/// Evaluate one body (as node `at`, coordinates from `dof` on) or one contact (as rows from `first` on).
 void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t robot, int joint,
                    int at, int dof, BodySystem& system, BodyVectors& b);
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t contact,
@@ -94,12 +90,9 @@ void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& b
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,
                            sparse::Refinement& refinement);
 
-/// Returns the kinematics of an attachment's robot; nullptr if its body is fixed.
-const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);
-/// Evaluates bodies.contacts at the accelerations of the solution, each in the frames of the contact's bodies.
-void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);
-/// Overwrites x, in the island's order, with K x, by a recursion over the bodies.
-void multiply_bodies(const BodySystem& system, double* x);
+const BodyKinematics<double>* kinematics_at(const BodiesSystem& bodies, const Attachment& at);  // nullptr if fixed
+void evaluate_rows_at_solution(const Scene& scene, BodiesSystem& bodies);  // bodies.contacts, in body frames
+void multiply_bodies(const BodySystem& system, double* x);  // x = K x, in the island's order, by recursion over bodies
 
 }  // namespace internal
 

@@ -29,8 +29,7 @@ internal::RowTerms<double> answered(const Contact& contact, const ContactData<do
   return internal::row_terms<double>(contact, rows, place);
 }
 
-// Returns |r| plus c eps times the terms of each equation. The order is: per body, six equations of a and six of f;
-// then joints; then contact rows.
+// Returns |r| + c eps |terms| per equation: six of a and six of f per body; then joints; then contact rows.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const BodiesSystem& form) {
   const Island& island = form.owner.island;
   const BodyPattern& p = *form.factor.system.pattern;

@@ -1,5 +1,4 @@
-// Computes jvp and vjp by sparse-bodies, like derivatives/products.cpp, but in body frames, and with the changes of all
-// bodies' accelerations and forces as unknowns.
+// Computes jvp, vjp as derivatives/products.cpp, but in body frames; unknowns are all bodies' accelerations and forces.
 
 #include "manycontact/contact/products.hpp"
 
@@ -15,16 +14,14 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Returns S x, where S are the motion columns of node i's joint.
-V6 combine(const BodySystem& s, int i, const double* x) {
+V6 combine(const BodySystem& s, int i, const double* x) {  // S x, with the motion columns S of node i's joint
   const int first = s.pattern->first_dof[i];
   V6 out = s.S.col(first) * x[first];
   for (int k = first + 1; k < first + s.pattern->ndof[i]; ++k) out += s.S.col(k) * x[k];
   return out;
 }
 
-// Returns the motion x of node i's parent at the origin of node i; zero at a base.
-V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {
+V6 of_parent(const BodySystem& s, int i, const std::vector<V6>& x) {  // parent's x at node i's origin; 0 at a base
   const int parent = s.pattern->parent[i];
   return parent < 0 ? V6(V6::Zero()) : motion_at(x[parent], s.r[i]);
 }
@@ -33,9 +30,8 @@ int node_of(const BodiesSystem& form, const Attachment& at) {
   return node_of(*form.factor.system.pattern, form.owner.island, at);
 }
 
-// Calls use(node, kinematics of the node's robot, joint of the robot) for each node.
 template <class Use>
-void each_node(const BodiesSystem& form, Use&& use) {
+void each_node(const BodiesSystem& form, Use&& use) {  // calls use(node, the robot's kinematics, joint of the robot)
   const std::vector<int>& offset = form.factor.system.pattern->node_offset;
   for (std::size_t k = 0; k < form.kin.size(); ++k)
     for (int i = 0; i < static_cast<int>(form.kin[k].v.size()); ++i) use(offset[k] + i, form.kin[k], i);
@@ -92,8 +88,7 @@ void tangent_contacts(const Scene& scene, const SceneData& data, BodiesSystem& f
   }
 }
 
-// Computes the gradients of the bodies' inertial forces Y a + p, given the adjoint solution in products.x.
-void adjoint_bodies(BodiesSystem& form) {
+void adjoint_bodies(BodiesSystem& form) {  // gradients of inertial forces Y a + p, from the adjoint products.x
   const BodySystem& s = form.factor.system;
   each_node(form, [&](int i, const BodyKinematics<double>& kin, int joint) {
     const Inertia<double>& Y = s.Y[i];

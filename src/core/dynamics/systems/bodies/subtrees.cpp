@@ -44,7 +44,7 @@ void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& b
   }
 }
 
-// Factorizes a cut's six rows and solves for its body's acceleration. Returns false if the rows are nearly redundant.
+// Factorizes a cut's rows and solves for its body's acceleration. Returns false if factorize_hold finds them dependent.
 bool hold_body(const BodiesSystem::Slot& slot, const BodyCut& cut, HeldBody& held) {
   if (!factorize_hold(slot.system, cut.node, cut.row, 6, held.hold)) return false;
   V6 g;
@@ -69,8 +69,7 @@ void put_subtree(const Scene& scene, SceneData& data, const BodiesSystem& bodies
   for (int row = 0; row < p.nc; ++row) data.f[slot.row[row]] = -x.rows[row];
 }
 
-// Computes a subtree's force on the constrained body above. Returns the part of this force that the body's six rows
-// cannot support, relative to the magnitudes that are summed.
+// Computes a subtree's force on the body above. Returns the relative part that the body's six rows cannot support.
 double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& reaction) {
   const BodyPattern& p = *slot.subtree->pattern;
   V6 size = V6::Zero();
@@ -84,8 +83,7 @@ double reaction_of(const BodiesSystem::Slot& slot, const BodyHold& hold, V6& rea
   return worst == 0 ? 0 : left.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() / worst;
 }
 
-// Solves the subtrees in a shape's slots, first in a SIMD batch, then alone those that the batch could not solve.
-// Returns false if a subtree has no sound solution.
+// Solves subtrees in a shape's slots in a SIMD batch, then failed ones alone. Returns false if one has no solution.
 bool solve_filled(const Scene& scene, SceneData& data, BodiesSystem& bodies, BodiesSystem::Shape& shape,
                   BodyAnswer& answer) {
   shape.side_by_side.clear();

@@ -16,8 +16,7 @@ namespace {
 
 using Apply = std::function<void(double*)>;
 
-// Returns a function that overwrites x with K^-1 x, or K^+ x if K is singular, by the current factor.
-Apply inverse(MatrixSystem& m) {
+Apply inverse(MatrixSystem& m) {  // x -> K^-1 x, or K^+ x if K is singular, by the current factor
   return [&m](double* x) { m.factor->solve(x); };
 }
 
@@ -32,8 +31,7 @@ struct TwistSize {
   }
 };
 
-// Magnitudes of an inertia's mass m, first moment h and moments I; h and I at least those of m at distance `lever`.
-struct InertiaSize {
+struct InertiaSize {  // mass m, first moment h and moments I; h and I at least those of m at distance `lever`
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
   InertiaSize(const Inertia<double>& Y, double lever)
@@ -54,8 +52,7 @@ TwistSize size_of_column(const Kinematics<double>& kin, int joint, int k) {
 
 }  // namespace
 
-// The terms of M are S^T Yc S, those of h are S^T f, with joint motions S, composite inertias Yc and bodies' forces f,
-// all in the tree frame.
+// M has terms S^T Yc S, h has S^T f. S: joint motions; Yc: composite inertias; f: body forces; all in the tree frame.
 void internal::torque_terms(const Model& model, const RobotData& r, const double* a, double* w, double* largest_of_M) {
   const std::size_t n = model.joints.size();
   std::vector<TwistSize> v(n), acceleration(n), force(n);  // v, acceleration: largest from the base to the body
@@ -135,8 +132,7 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| plus c eps times the terms of each row, in elimination order. r: residual of K x = b, without the
-// inconsistency of contacts.
+// Returns |r| + c eps |terms| per row, in elimination order. r: residual without the contacts' inconsistency.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -227,8 +223,7 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 
 }  // namespace
 
-// The relative errors dJ are c eps in the nonzero columns of each row, and eps in all columns due to orthogonal
-// elimination (Higham, theorem 20.3).
+// dJ: c eps in each row's nonzero columns, eps in all columns by orthogonal elimination (Higham, theorem 20.3).
 std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                                    const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
@@ -252,16 +247,14 @@ std::vector<double> internal::turned_contradiction(const Scene& scene, const Wor
 
 namespace {
 
-// Bounds the error of forces that is due to rounding errors of the projection to least norm.
-double projected_forces(const MatrixSystem& m) {
+double projected_forces(const MatrixSystem& m) {  // bounds force errors due to rounding of the least-norm projection
   double f = 0;
   for (int k = 0; k < m.owner.island.nc; ++k)
     f = std::max(f, std::abs(m.v.x[m.K.pattern->iperm[m.owner.island.nv + k]]) * unit_of(m, k));
   return m.factor->projector_error() * f;
 }
 
-// The largest entry of the reported a or f (size), and its largest difference from x, the solution of K x = b whose
-// error is bounded (moved).
+// The largest entry of the reported a or f (size), and its largest difference to the x that is bounded (moved).
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

@@ -21,8 +21,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Returns, per row of dynamics, the largest entry of G = d(J^T rho)/dq over all q (least_norm_forces.cpp). G is the
-// change of J^T rho as columns of J rotate with the joints before them (jacobian_rate.hpp). rho: one per contact row.
+// Returns per dynamics row the largest entry of G = d(J^T rho)/dq (least_norm_forces.cpp). rho: one per contact row.
 std::vector<double> sizes_of_G(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                const std::vector<double>& rho) {
   std::vector<double> out(m.owner.island.nv, 0.0);
@@ -121,8 +120,7 @@ TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& dat
   return out;
 }
 
-// Returns the terms T_x of the file header, one per row of K in the island's order, if each acceleration has error a
-// and each force error f.
+// Returns T_x of the file header per row of K, in the island's order, for errors a of accelerations and f of forces.
 std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, const MatrixSystem& m,
                                     const std::vector<double>& terms_of_M, double a, double f) {
   const Workspace& work = *data.workspace;
@@ -156,8 +154,7 @@ std::vector<double> terms_of_errors(const Scene& scene, const SceneData& data, c
   return out;
 }
 
-// Adds |dK| times `sizes` to w, in elimination order. dK: errors of K's entries due to cancelling terms, divided by
-// c eps.
+// Adds |dK| times `sizes` to w, in elimination order. dK: errors of K due to cancelling terms, divided by c eps.
 void add_terms_of_K(const Scene& scene, const Workspace& work, const MatrixSystem& m, const TermsOfDerivatives& terms,
                     const std::vector<double>& sizes, std::vector<double>& w) {
   const Island& island = m.owner.island;
@@ -187,8 +184,7 @@ std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& w
   return out;
 }
 
-// Columns X of derivatives, and their residuals in the scaled units of K.
-struct Panel {
+struct Panel {  // columns X of derivatives, and their residuals in the scaled units of K
   const AlignedPanel& X;
   AlignedPanel Y, left;  // Y = [da; -df], df divided by the row units S; residual R - K Y
   AlignedPanel missed;   // P R, if rows are dependent
@@ -207,8 +203,7 @@ struct Panel {
   }
 };
 
-// Columns of a panel with respect to one kind of variable: q, v, u or wrenches.
-struct Columns {
+struct Columns {  // columns of a panel with respect to one kind of variable: q, v, u or wrenches
   const Panel& panel;
   int first, count;
   const AlignedPanel* R = nullptr;             // right-hand sides, without wrenches and springs

@@ -27,8 +27,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-// Whether K is small enough for the dense reference solver, whose time is cubic and whose memory is quadratic.
-bool may_ask_oracle(const MatrixSystem& m) {
+bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough: cubic time, quadratic memory
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
@@ -188,8 +187,8 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Adds LDL with waiting rows, unless the island is large and the nc - nv rows that surely depend are too many. In a
-// large island, adds LDL of all rows too, if sound pivots are expected (`plainly`), and then proximal steps.
+// Adds LDL with waiting rows, unless nc > kFewRows and the nc - nv rows that surely depend are over kMostWaiting. If nc
+// > kFewRows, also adds LDL of all rows, if sound pivots are expected (`plainly`), and then proximal steps.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
   const bool large = m.owner.island.nc > tolerance::kFewRows;
   const int depend = m.owner.island.nc - m.owner.island.nv;

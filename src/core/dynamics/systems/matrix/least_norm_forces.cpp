@@ -8,10 +8,9 @@
 // If rows depend, the least-norm force f is in J's range: P f = 0, P = I - J J^+. Its derivative at constant rank is
 // P df = P D dq, with D = d(J(q) y)/dq at constant y = J^+ f.
 //
-// The least-squares acceleration of inconsistent contacts, with rho = J a + a0, satisfies J^T rho = 0. The derivative
-// of this equation is J^T (J da + dr2) + G dq = 0, with dr2 = drho at constant a, and G = d(J^T rho)/dq at constant
-// rho. So J da = -dr2 - (J^T)^+ G dq in J's range. J^T rho is zero at all q, so that G dq is in the range of J^T, and
-// K^+ [G dq; 0] = [0; (J^T)^+ G dq].
+// Inconsistent contacts: rho = J a + a0 of the least-squares acceleration satisfies J^T rho = 0, with the derivative
+// J^T (J da + dr2) + G dq = 0; dr2 = drho at constant a, G = d(J^T rho)/dq at constant rho. So J da = -dr2 - (J^T)^+ G
+// dq in J's range. As J^T rho = 0 at all q, G dq is in the range of J^T: K^+ [G dq; 0] = [0; (J^T)^+ G dq].
 
 namespace manycontact::internal {
 
@@ -38,8 +37,7 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// Returns a y with J y = f, computed once per solution. P D (file header) is the same for every such y, since P d(J n)
-// is zero if J n = 0.
+// Returns a y with J y = f, once per solution. P D is the same for every such y, as P d(J n) = 0 where J n = 0.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;
@@ -81,8 +79,7 @@ void take_contradiction(MatrixSystem& m, Eigen::VectorXd& rho) {
     rho[k] = -unit_of(m, k) * m.v.null_component[m.K.pattern->iperm[m.owner.island.nv + k]];
 }
 
-// Overwrites x, one entry per contact row, with S P S x. S are the row weights, and P projects onto the null space of
-// (S J)^T.
+// Overwrites x, one entry per contact row, with S P S x. S: row weights; P projects onto the null space of (S J)^T.
 void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
   const int* iperm = m.K.pattern->iperm.data() + m.owner.island.nv;
   v.resize(m.owner.island.size());
@@ -95,8 +92,7 @@ void project(MatrixSystem& m, KktVectors& v, Eigen::VectorXd& x) {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Finds the contacts with linearly dependent rows, and the coordinates on which J of these contacts depends. Returns a
-// panel of zeros with a column for each such coordinate.
+// Finds contacts with dependent rows and the coordinates of their J; returns a zero panel, one column per coordinate.
 Eigen::Map<RowMajor> take_columns(const Scene& scene, const SceneData& data, MatrixSystem& m) {
   DependentDerivatives& w = work_of(m);
   const Island& island = m.owner.island;

@@ -45,12 +45,9 @@ class MatrixSystem final : public IslandSystem {
 
   /// Computes K, a factor of K, and x, unless up to date. Returns false if no factor is sound, or if K is too large.
   bool make_current(const Scene&, const SceneData&, ThreadWork&);
-  /// Whether make_joint_space has allocated M and J of the current island.
-  bool has_terms() const;
-  /// Allocates K and its vectors in this elimination order.
-  void make_room(Order order);
-  /// Whether the island has redundant contact rows.
-  bool deficient() const;
+  bool has_terms() const;       // whether make_joint_space has allocated M and J of the current island
+  void make_room(Order order);  // allocates K and its vectors in this elimination order
+  bool deficient() const;       // whether the island has redundant contact rows
 
   /// Calls use(row, column, change) for the entries of J that `within` changed; row and column are in K's order.
   template <class Use>
@@ -84,72 +81,56 @@ inline double unit_of(const MatrixSystem& m, int row) { return m.unit.empty() ? 
 
 namespace internal {
 
-/// Multiplies the contact rows of out.X by S.
-inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {
+inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {  // multiplies contact rows of out.X by S
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Computes right-hand sides, including the terms of inconsistent contacts. Returns false if these are inaccurate. An
-/// AtSolution must exist.
+/// Computes right-hand sides with terms of inconsistent contacts. Returns false if inaccurate. Requires an AtSolution.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
-/// Returns the accuracy of a and of f (bounds.cpp).
-std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);
-/// Overwrites x with K^-1 x, refined once, since nearly massless bodies cause large terms that cancel.
-void solve_refined_once(MatrixSystem& system, double* x);
-/// Returns |K|_1.
-double norm_of(const MatrixSystem& system);
-/// Returns an estimate of |K|_1 |K^-1|_1.
-double condition_of(MatrixSystem& system);
+std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);  // accuracy of a, f
+void solve_refined_once(MatrixSystem& system, double* x);  // x = K^-1 x, refined, as tiny masses cause cancellation
+double norm_of(const MatrixSystem& system);                // |K|_1
+double condition_of(MatrixSystem& system);                 // an estimate of |K|_1 |K^-1|_1
 /// Estimates, within a factor of three, the largest entry of |K^-1| w in rows first ... first+count-1 of the island, in
 /// units of a and f. w: one size per row of K, in elimination order.
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
 /// Estimates the largest entry of |K^-1 K^-1| w in rows first ... first+count-1 of the island.
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-/// Returns c eps, the relative rounding error of sums along the deepest chain of joints.
-double rounding(const Scene& scene, const MatrixSystem& system);
+double rounding(const Scene& scene, const MatrixSystem& system);  // c eps, of sums along the deepest chain of joints
 /// Returns the relative error of J: c eps or, if larger, the residual by which dropped rows fail to be dependent.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// Adds |dJ| times `sizes`, the magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J relative to
-/// c eps.
+/// Adds |dJ| times `sizes`, magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J divided by c eps.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
-/// Returns |dJ^T r|, where r and the result are in elimination order. If r is the contacts' inconsistency, rounding
-/// errors dJ of J change the least-squares solution by K^+ K^+ [dJ^T r; 0] (Golub, Pereyra, SIAM J. Numer. Anal. 10,
-/// 1973, eq. 4.12).
+/// Returns |dJ^T r|, in elimination order as r. If r is the contacts' inconsistency, rounding errors dJ change the
+/// least-squares solution by K^+ K^+ [dJ^T r; 0] (Golub, Pereyra, SIAM J. Numer. Anal. 10, 1973, eq. 4.12).
 std::vector<double> turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                                          const std::vector<double>& r);
 /// Computes error bounds of an island's derivatives. Returns false if no bound is known.
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
                        const IslandDerivatives& derivatives, DerivativeBounds& out);
 
-/// Allocates a robot's kinematics and dynamics terms at the first call.
-void make_robot(const Scene& scene, Workspace& work, int robot);
-/// Whether the robot's terms were evaluated at the current state.
-bool is_evaluated(const Workspace& work, int robot);
+void make_robot(const Scene& scene, Workspace& work, int robot);  // allocates its terms at the first call
+bool is_evaluated(const Workspace& work, int robot);  // whether its terms were evaluated at the current state
 /// Allocates the joint-space terms of an island at the first call. Throws std::length_error if an M is too large.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// Allocates an island's joint-space terms and evaluates them at the current q, v, unless this was done already.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
-/// Computes the placements of an island's bodies at the current q, for products with derivatives.
-void place_at_state(const Scene& scene, const SceneData& data, const Island& island);
-/// Whether joint-space terms may be allocated: for an island of sparse-bodies only up to kMostJointSpace numbers.
-bool joint_space_fits(const IslandWork& d);
+void place_at_state(const Scene& scene, const SceneData& data, const Island& island);  // bodies at the current q
+bool joint_space_fits(const IslandWork& d);  // whether allowed: sparse-bodies only up to kMostJointSpace numbers
 /// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice that ends the message.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
 /// Assembles K and b = [data.tau - h; prescribed - a0] from the evaluated terms, in the elimination order `order`.
 void assemble(const Scene& scene, const SceneData& data, Order order, double damping, MatrixSystem& system);
-/// Multiplies the contact rows of K and b by S, unless S = 1.
-void weigh_rows(const Scene& scene, MatrixSystem& system);
-/// Factorizes K and solves by the first attempt that is sound. Sets system.v.x, system.factor and report. Returns false
-/// if no attempt is sound. Call `evaluate` before.
+void weigh_rows(const Scene& scene, MatrixSystem& system);  // multiplies contact rows of K and b by S, unless S = 1
+/// Solves by the first sound attempt, or returns false. Sets system.v.x, system.factor, report. Call `evaluate` before.
 bool solve_by_fallbacks(const Scene& scene, const SceneData& data, FactorScratch& scratch, MatrixSystem& system,
                         IslandReport& report);
-/// Kinds of factors of K. kChosen is that of the chosen method. kWaiting is LDL in which rows of J without a sound
-/// pivot wait, i.e. they are eliminated last or dropped. kProximal makes proximal steps; kDense is the dense reference
-/// solver.
+/// Factors of K: by the chosen method; LDL in which rows of J without a sound pivot wait, i.e. are eliminated last or
+/// dropped; by proximal steps; by the dense reference solver.
 enum class FactorKind { kChosen, kWaiting, kProximal, kDense };
 struct Attempt {
   FactorKind kind;
@@ -161,22 +142,19 @@ struct Attempts {
   int count = 0;
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
-/// Returns the attempts to solve an island, in order. For LDL without damping these are kWaiting in the chosen order,
-/// and kWaiting in leaf-to-root order. In large islands each is followed (or, if too many rows depend, replaced) by
-/// kProximal, and the first kProximal is preceded by kChosen if sound pivots are expected. For other methods, or with
-/// damping, kChosen is first. In leaf-to-root order there follow kChosen (with damping), or kWaiting and kProximal
-/// (without). kDense is last.
+/// Returns the attempts to solve an island, in order. LDL without damping: kWaiting in the chosen, then leaf-to-root
+/// order; with over kFewRows rows each is followed (or, if too many depend, replaced) by kProximal, and kChosen
+/// precedes the first kProximal if sound pivots are expected. Other methods, or damping: kChosen, then leaf-to-root
+/// kChosen (with damping) or kWaiting (without). For n <= kDenseSize, kDense is last.
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);
-/// Solves by the dense reference solver instead of an inaccurate factor. Returns false if it fails or has solved
-/// already, or if K is too large.
+/// Solves by the dense reference solver. Returns false if it fails, has solved already, or if K is too large.
 bool solve_by_oracle(const Scene& scene, const SceneData& data, ThreadWork& thread, MatrixSystem& system);
 
 /// Overwrites the right-hand sides out.X with [da; -df] by the current factor, or with NaN if the result is inaccurate.
 void solve_panel(const Scene& scene, MatrixSystem& system, IslandDerivatives& out, PanelWork& work);
 /// Overwrites a panel X with row stride ld by K^+ X. Returns false if the result is inaccurate.
 bool solve_columns(MatrixSystem& system, double* X, int ld, PanelWork& work);
-/// Sets v.x = K^+ v.b by the current factor, with refinement. If v.x is inaccurate, sets it to NaN and returns false.
-bool solve_vector(MatrixSystem& system, KktVectors& v);
+bool solve_vector(MatrixSystem& system, KktVectors& v);  // v.x = K^+ v.b, refined; NaN and false if inaccurate
 
 // Terms of dependent rows in derivatives and products (least_norm_forces.cpp). An AtSolution must exist.
 
@@ -193,8 +171,7 @@ bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system
                        PanelWork& work);
 bool add_contradiction(const Scene& scene, SceneData& data, MatrixSystem& system, const ConstVector& dq, KktVectors& v,
                        ProductWork& work);
-/// Adds the adjoints of least_norm_forces and add_contradiction to p.wq. v.x: K^+ [wa; -wf], then scratch. Returns
-/// false if the result is inaccurate.
+/// Adds adjoints of least_norm_forces, add_contradiction to p.wq; false if inaccurate. v.x: K^+ [wa; -wf], scratch.
 bool add_dependent_adjoint(const Scene& scene, SceneData& data, MatrixSystem& system, const AdjointProduct& p,
                            KktVectors& v);
 

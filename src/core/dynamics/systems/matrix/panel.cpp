@@ -10,8 +10,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Flags rows of K, in elimination order: those of a robot, of its contacts, and of robots at the contacts' other ends.
-struct Reach {
+struct Reach {  // rows of K, in elimination order: of a robot, its contacts, and robots at the contacts' other ends
   const Scene& scene;
   const Island& island;
   const int* iperm;
@@ -73,8 +72,7 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
-// Whether entries grow so much in the factorization that each solution must be checked by its own residual.
-bool grows_too_much(const Factor& factor) {
+bool grows_too_much(const Factor& factor) {  // so that each solution must be checked by its own residual
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
 
@@ -96,9 +94,8 @@ void reserve(std::vector<T>& memory, std::size_t size) {
   if (memory.size() < size) memory.resize(size);
 }
 
-// Whether a panel is accurate without refinement, judged by the error of the solve before its refinement or by a bound
-// for all columns. With redundant rows neither suffices: the projection of large entries may leave rounding errors that
-// exceed small entries.
+// Whether a panel is accurate unrefined, by the error of the solve before refinement or a bound for all columns. With
+// redundant rows neither suffices: projecting large entries leaves rounding errors above small entries.
 bool needs_no_refinement(MatrixSystem& m) {
   if (m.factor->own_refinements() > 0) return true;
   if (m.deficient()) return false;
@@ -120,8 +117,7 @@ bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   return true;
 }
 
-// Overwrites a panel X, row stride ld, by K^+ X with refinement as needed. solve(refined): solves with or without
-// refinement. Returns whether the result is accurate.
+// Overwrites a panel X by K^+ X, row stride ld. solve(refined): solves, refined or not. Returns whether X is accurate.
 template <class Solve>
 bool solve_as_needed(MatrixSystem& m, double* X, int ld, PanelWork& work, Solve&& solve) {
   const std::size_t size = static_cast<std::size_t>(m.owner.island.size()) * ld;

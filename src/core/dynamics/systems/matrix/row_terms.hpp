@@ -6,8 +6,7 @@
 
 namespace manycontact::internal {
 
-/// Calls use(model of A's robot, its kinematics, model of B's robot, its kinematics). If A or B is fixed, both robots
-/// are that of the other end.
+/// Calls use(A's model, kinematics, B's model, kinematics); for a fixed end, those of the other end's robot.
 template <class Use>
 RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;
@@ -27,9 +26,8 @@ inline RowTerms<double> bias_acceleration_terms(const Scene& scene, const Worksp
   });
 }
 
-/// Returns the largest linear and the largest angular entry of a 6 x n matrix of motions.
 template <class Motions>
-std::pair<double, double> largest_of_motions(const Motions& J) {
+std::pair<double, double> largest_of_motions(const Motions& J) {  // largest linear, largest angular entry of J (6 x n)
   if (J.cols() == 0) return {};
   return {J.template topRows<3>().cwiseAbs().maxCoeff(), J.template bottomRows<3>().cwiseAbs().maxCoeff()};
 }

@@ -50,8 +50,7 @@ struct WithinTolerance::Work {
   double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
   std::vector<double> x;            // scratch, in K's order: a solution
   std::vector<double> n;            // a column of N, in K's order
-  // One entry per coordinate c, in this order: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. Here e_j is
-  // the error of J_jc relative to t (error_of_entry).
+  // Per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. e_j: error_of_entry of J_jc.
   Eigen::VectorXd left, terms, explained, weight;
   std::vector<RowChange> changes;
 };
@@ -105,8 +104,8 @@ bool factorize_without_dropped(const KktPattern& p, Work& w) {
   return factorized;
 }
 
-// Factorizes [D J^T; J 0] without rows whose pivot is below `left` times its terms, and computes N. Drops other rows if
-// entries of N are large. Returns whether N can be used.
+// Factorizes [D J^T; J 0] without rows whose pivot is below `left` times its terms, and computes N. If entries of N
+// exceed kLargestEntry, drops other rows. Returns whether N can be used.
 bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, double left, Work& w) {
   w.K.assign(p.K.nonzeros(), 0.0);
   for (int c = 0; c < p.nv; ++c) w.K[p.K.p[p.iperm[c] + 1] - 1] = w.turns[c] ? w.lever * w.lever : 1;
@@ -149,8 +148,7 @@ double drift(const Scene& scene, const Workspace& work, const IslandWork& d, con
   return std::max(most, tolerance::kRank * w.lever);
 }
 
-// Returns the error of an entry of J, relative to t.
-double error_of_entry(const Work& w, int row, int coordinate) {
+double error_of_entry(const Work& w, int row, int coordinate) {  // error of an entry of J, relative to t
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
@@ -174,8 +172,7 @@ bool is_explained(const Workspace& work, const IslandWork& d, const KktPattern& 
       .all();
 }
 
-// Recomputes column w.n of N with D_c = |N_c|^2, by subtracting K^-1 times the residual of the column. K is [D J^T; J
-// 0] of the kept rows.
+// Recomputes column w.n of N with D_c = |N_c|^2, by K^-1 times its residual. K is [D J^T; J 0] of the kept rows.
 bool reweigh(const KktPattern& p, Work& w) {
   for (int c = 0; c < p.nv; ++c) {
     const double unit = w.turns[c] ? w.lever * w.lever : 1;
@@ -215,8 +212,7 @@ bool settle(const Workspace& work, const IslandWork& d, const KktPattern& p, Wor
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Computes the change of column c of J. Returns whether the errors of J permit this change. N: one row per entry of
-// `rows`, which are rows of J.
+// Computes the change of column c of J. Returns whether J's errors permit it. N: one row per entry of `rows` of J.
 bool take_change(const Workspace& work, const IslandWork& d, const std::vector<int>& rows, const Eigen::MatrixXd& N,
                  int c, Work& w) {
   std::vector<RowChange> change;

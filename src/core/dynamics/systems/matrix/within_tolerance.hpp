@@ -11,8 +11,7 @@ namespace manycontact {
 struct IslandWork;
 struct Workspace;
 
-/// A change of an entry of the island's J.
-struct RowChange {
+struct RowChange {  // a change of an entry of the island's J
   int row, column;  // contact row and velocity coordinate of the island
   double value;
 };
@@ -21,13 +20,11 @@ class WithinTolerance {
  public:
   WithinTolerance();
   ~WithinTolerance();
-  /// Changes J of the evaluated contacts, so that rows become dependent that are dependent within Scene::tolerance, or
-  /// were dependent at the start of a motion. Returns the largest possible inconsistency of the rows relative to their
-  /// terms; 0 if J is unchanged.
+  /// Changes J of the evaluated contacts so that rows become dependent that are so within Scene::tolerance, or were at
+  /// the start of a motion. Returns the rows' largest inconsistency relative to their terms; 0 if J is unchanged.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   std::span<const RowChange> changes() const;
-  /// Returns the error that make_dependent assumed for entries of J at this velocity coordinate, in rows in m.
-  double inaccuracy(int coordinate) const;
+  double inaccuracy(int coordinate) const;  // the error assumed for J's entries at this coordinate, in rows in m
 
   struct Work;
 

@@ -31,9 +31,8 @@ namespace internal {
 
 namespace {
 
-// Returns the multiply-adds to solve a panel of `ld` columns with the factor of K, assuming that every second state
-// needs a refinement. kPanelDropping, the factor for dependent rows, was measured on humanoids with contacts at the
-// corners of their soles.
+// Returns the multiply-adds to solve a panel of `ld` columns with K's factor, if every second state needs refinement.
+// kPanelDropping, for dependent rows, was measured on humanoids with contacts at their soles' corners.
 double cost_at_once(const IslandWork& d, double ld, bool dropping) {
   const KktPattern& p = *d.shape->pattern(d.choice.order);
   return (dropping ? costs::kPanelDropping : 1) * ld * (3.0 * p.ldl.nonzeros() + p.K.nonzeros());
@@ -41,8 +40,7 @@ double cost_at_once(const IslandWork& d, double ld, bool dropping) {
 
 double cost_of_interface(double nonzeros, double ld) { return ld * 2 * nonzeros; }
 
-// Returns the multiply-adds to solve a panel robot by robot. The constants in costs were measured on rings and on
-// humanoids that carry a beam.
+// Returns multiply-adds to solve a panel robot by robot. Constants were measured on rings and humanoids with a beam.
 double cost_by_robots(const RobotsSystem& system, const RobotsDerivatives& by, double ld) {
   double cost = cost_of_interface(system.interface->schedule.nonzeros(), ld);
   for (std::size_t k = 0; k < by.robots.size(); ++k) {

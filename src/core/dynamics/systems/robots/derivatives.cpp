@@ -27,8 +27,7 @@ bool has_own(const Columns& columns, int first, int cols) {
   });
 }
 
-// Flags the rows of S that a forward substitution fills in columns first ... first+cols-1. columns_of(r): columns where
-// B_r is nonzero.
+// Flags rows of S that substitution fills in columns first ... first+cols-1. columns_of(r): where B_r is nonzero.
 template <class ColumnsOf>
 void find_reach(const Interface& interface, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
                 std::vector<char>& nonzero) {
@@ -94,8 +93,7 @@ void differentiate_interface(const Scene& scene, const SceneData& data, RobotsSy
       });
 }
 
-// The end, on one robot, of a contact that couples two robots.
-struct End {
+struct End {  // the end, on one robot, of a contact that couples two robots
   const RobotsSystem::Coupling& coupling;
   lanes::JoinTerms terms;
   int among;       // index of the contact in the robot's coupling contacts
@@ -103,9 +101,8 @@ struct End {
   bool B;          // whether this is the contact's end B, not A
   int first, end;  // range of the contact's columns on this robot
 };
-// Calls use(end) for each coupling contact of robot k.
 template <class Use>
-void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
+void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {  // calls use(end) per coupling contact of robot k
   int row = 0, among = 0;
   for (int i : system.robots[k].couplings) {
     const RobotsSystem::Coupling& coupling = system.contacts[i];
@@ -117,15 +114,13 @@ void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {
   }
 }
 
-// Returns the index in the robot's panel P of a column of X; -1: not in P.
-int place_in_panel(const OfRobot& r, int column) {
+int place_in_panel(const OfRobot& r, int column) {  // the index in the robot's panel of a column of X, or -1
   for (const RobotsDerivatives::Columns& c : r.columns)
     if (c.in_X <= column && column < c.in_X + c.count) return c.in_P + column - c.in_X;
   return -1;
 }
 
-// Completes a robot's panel P = K_r^-1 [E_r, own columns]: adds K_r^-1 E_r D_r, and computes T, G and H
-// (derivatives.hpp).
+// Completes a robot's panel P = K_r^-1 [E_r, own columns] by K_r^-1 E_r D_r; computes T, G, H (derivatives.hpp).
 void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out,
                   RobotsDerivatives::Buffers& buffers) {
   const sparse::PanelKernels& kernels = sparse::panel_kernels();
@@ -195,8 +190,7 @@ void add_own(const OfRobot& r, const Columns& columns, int first, int cols, doub
   }
 }
 
-// Computes columns of [da; df] after interface_rhs: -Y in interface rows, K_r^-1 B_r - T_r Y in the rows of robot r.
-// columns_of(r): the columns in which B_r is nonzero.
+// Computes columns of [da; df]: interface rows -Y, robot rows K_r^-1 B_r - T_r Y. columns_of(r): where B_r is nonzero.
 template <class ColumnsOf>
 void answer(const RobotsSystem& system, const RobotsDerivatives& by, ColumnsOf&& columns_of, int first, int cols,
             double* X, int ld, bool non_temporal, RobotsDerivatives::Buffers& buffers) {

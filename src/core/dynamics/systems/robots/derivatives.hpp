@@ -7,10 +7,9 @@
 // The panel of derivatives contains forces f = -X, so its interface rows contain -Y. A column of B is zero in the rows
 // of most robots. For these, X_r = -T_r Y is a product with few rows, instead of a solve with the factor of K.
 //
-// A contact that couples two robots acts on one body of robot r. E_r contains six unit forces on this body, so that
-// G_r^T = E_r W^T, where W is the contact's force basis. B_r consists of the robot's own columns, i.e. those with
-// respect to q, v, u of robot r, and of E_r D_r, where D_r is the change of the contact's force with q of both robots.
-// SIMD batches solve only K_r^-1 [E_r, own columns].
+// A contact that couples two robots acts on one body of robot r. E_r contains six unit forces on this body: G_r^T = E_r
+// W^T, W the contact's force basis. B_r has the robot's own columns (with respect to its q, v, u) and E_r D_r; D_r is
+// the change of the contact's force with q of both robots. SIMD batches solve only K_r^-1 [E_r, own columns].
 
 #include <optional>
 

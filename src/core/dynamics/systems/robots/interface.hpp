@@ -1,14 +1,12 @@
 #pragma once
-// Splits an island into robots and interface rows, the rows of contacts that couple two robots. With interface rows
-// last, K is
+// Splits an island into robots and interface rows (of contacts that couple two robots). With the latter last, K is
 //
 //     [ K_1             G_1^T    ]
 //     [      ...        ...      ]    K_r = [ M_r J_r^T; J_r -delta I ]: a robot and the contacts on it alone,
 //     [           K_n   G_n^T    ]    G_r: the interface rows' entries at its velocities,
 //     [ G_1  ...  G_n   -delta I ]
 //
-// and eliminating the robots leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I. Two interface rows share an entry of S
-// only if both act on a common robot.
+// Eliminating robots leaves -S = -sum_r G_r K_r^-1 G_r^T - delta I, with entries only between rows of a common robot.
 
 #include <vector>
 
@@ -17,8 +15,7 @@
 
 namespace manycontact {
 
-/// Constant data of the interface rows, for islands of one shape.
-struct Interface {
+struct Interface {  // constant data of the interface rows, for islands of one shape
   explicit Interface(const IslandShape& shape);
 
   struct OfRobot {
@@ -42,8 +39,7 @@ struct Interface {
 sparse::LdlCounts least_interface_counts(const IslandShape& shape);
 
 inline bool joins_two(const Contact& contact) { return joins_robots(contact) && contact.A.robot != contact.B.robot; }
-/// Returns the end of a coupling contact on this robot.
-inline const Attachment& end_on(const Contact& contact, int robot) {
+inline const Attachment& end_on(const Contact& contact, int robot) {  // end of a coupling contact on this robot
   return contact.A.robot == robot ? contact.A : contact.B;
 }
 

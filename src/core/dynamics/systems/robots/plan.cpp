@@ -17,8 +17,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// A robot with its contacts: `contacts` on this robot alone, and `joins`, which couple it to other robots. inner: the
-// pattern of K_r (interface.hpp).
+// A robot with `contacts` on it alone and `joins`, which couple it to other robots. inner: pattern of K_r.
 struct Block {
   const Scene& scene;
   int robot;
@@ -114,8 +113,7 @@ bool can_be_joined(const IslandWork& d, const Options& options) {
                      [](const Robot& robot) { return robot.model->nv <= kLargestInLanes; });
 }
 
-// Whether contact x precedes y in a group. The order makes contacts adjacent that can share a SIMD batch.
-bool before(const Contact& x, const Contact& y) {
+bool before(const Contact& x, const Contact& y) {  // an order in which contacts for one SIMD batch are adjacent
   const auto numbers = [](const Contact& c) {
     return std::array<double, 6>{
         static_cast<double>(c.reference_frame), c.alpha, c.beta, c.axis[0], c.axis[1], c.axis[2]};
@@ -164,8 +162,7 @@ double seconds_joined(const RobotsSystem& system, int width) {
   return seconds;
 }
 
-// Returns the predicted cost of factorizing the island's whole K.
-double cost_of_choice(const IslandWork& d) {
+double cost_of_choice(const IslandWork& d) {  // predicted cost of factorizing the island's whole K
   return predicted_cost_ldl(d.shape->island().size(), d.shape->counts(d.choice.order));
 }
 

@@ -22,8 +22,7 @@ using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
-// Splits the robots of each group into SIMD batches.
-void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {
+void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {  // splits groups into SIMD batches
   s.batches.clear();
   std::size_t size = 0;
   for (std::size_t k = 0; k < s.order.size(); ++k) {
@@ -120,15 +119,13 @@ bool accept_rows(const Scene& scene, const RobotsSystem& s) {
   return scene.damping > 0 || smallest > tolerance::kRank * motion;
 }
 
-// Replaces a0, in s.b, by prescribed acceleration - a0.
-void interface_right_side(const SceneData& data, RobotsSystem& s) {
+void interface_right_side(const SceneData& data, RobotsSystem& s) {  // s.b becomes prescribed acceleration - a0
   for (const RobotsSystem::Coupling& coupling : s.contacts)
     for (int i = 0; i < coupling.rows; ++i)
       s.b[coupling.row + i] = prescribed_in(data, coupling.contact, i) - s.b[coupling.row + i];
 }
 
-// Whether the pivots of -S exceed their rounding errors.
-bool sound_interface_pivots(const RobotsSystem& s) {
+bool sound_interface_pivots(const RobotsSystem& s) {  // whether pivots of -S exceed their rounding errors
   for (std::size_t k = 0; k < s.D.size(); ++k) {
     const rank::Pivot<double> pivot{false, s.D[k], s.terms[k], 0};
     if (!rank::is_left(pivot) || !rank::has_its_sign(pivot)) return false;
@@ -154,8 +151,7 @@ bool factor_interface(double damping, RobotsSystem& s) {
   return sound_interface_pivots(s);
 }
 
-// Adds to y the interface rows of K^-1 r, where r is the residual of all rows. Copies this step to the robots' borders.
-void solve_interface(RobotsSystem& s) {
+void solve_interface(RobotsSystem& s) {  // y += interface rows of K^-1 r; copies this step to the robots' borders
   const Interface& interface = *s.interface;
   for (int k = 0; k < interface.rows(); ++k) s.step[interface.place[k]] = s.r[k];
   each_border_row(
@@ -178,8 +174,7 @@ void interface_residual(double damping, RobotsSystem& s) {
   });
 }
 
-// The largest residuals and magnitudes of terms: [0] dynamics rows, [1] contact rows.
-struct Largest {
+struct Largest {  // largest residuals and magnitudes of terms: [0] dynamics rows, [1] contact rows
   double r[2] = {0, 0}, scale[2] = {0, 0};
 };
 Largest largest_of(const RobotsSystem& s) {
@@ -191,16 +186,15 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// Returns the componentwise backward error of the interface rows. Tiny rows are judged by the island's largest row.
+// Returns interface rows' componentwise backward error; rows tiny relative to the island's largest are judged by it.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// Returns the solution's componentwise backward error (sparse/refine.hpp), or NaN. A tiny row of a robot is judged by
-// the robot's largest row. A tiny interface row is judged by the island's largest row, as at rest its terms are only
-// rounding errors.
+// Returns the componentwise backward error (sparse/refine.hpp), or NaN. Rows tiny relative to their robot's largest row
+// (interface rows: the island's) are judged by it, as at rest their terms are only rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);
@@ -220,8 +214,7 @@ void report_answer(const Scene& scene, const RobotsSystem& s, const sparse::Refi
   report.backward_error = refinement.backward_error;
 }
 
-// Returns the dependent rows of J, numbered in the island.
-std::span<const int> dependent_rows(RobotsSystem& s) {
+std::span<const int> dependent_rows(RobotsSystem& s) {  // rows of J, numbered in the island
   IslandWork& d = s.owner;
   d.matrix.dependent.clear();
   for (std::size_t k = 0; k < s.robots.size(); ++k) {

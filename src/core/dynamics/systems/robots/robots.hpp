@@ -23,8 +23,7 @@ struct SceneData;
 struct Workspace;
 struct IslandReport;
 
-/// The robots that share one BlockPlan. A group without robots is kept for later contact sets.
-struct BlockGroup {
+struct BlockGroup {  // robots that share a BlockPlan; kept without robots for later contact sets
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
   std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // single precision; empty unless options request it
@@ -32,8 +31,7 @@ struct BlockGroup {
   double seconds = 0;                                          // predicted time of a solve of one robot [s]
 };
 
-/// Contacts that couple two robots and share one kernel: they differ only in placements and gains.
-struct InterfaceContactGroup {
+struct InterfaceContactGroup {  // contacts that couple two robots, and differ only in placements and gains
   struct Key {  // properties on which the kernels depend
     const ModelStructure *A, *B;
     int kind;  // kind_of(contact)
@@ -58,16 +56,14 @@ struct InLanes {
   std::vector<Batch> batches;
 };
 
-/// How SIMD batches solve a single-robot island. solve_alone (alone.cpp) solves all such islands in one call.
-struct BatchPlace {
+struct BatchPlace {  // how SIMD batches solve a single-robot island: all in one call of solve_alone (alone.cpp)
   BlockGroup* group = nullptr;  // set by prepare; nullptr: no SIMD batch can solve the island
   // set when a SIMD batch has solved the island
   bool panel_is_safe = false;  // whether the batch may compute derivatives too
   bool refine_panel = false;   // whether the batch refines the derivatives once
 };
 
-/// Solves an island of several robots.
-class RobotsSystem final : public IslandSystem {
+class RobotsSystem final : public IslandSystem {  // solves an island of several robots
  public:
   explicit RobotsSystem(IslandWork& island);
   ~RobotsSystem() override;
@@ -79,12 +75,9 @@ class RobotsSystem final : public IslandSystem {
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  /// Computes all K_r, the factors of K_r and S, and b, at the current state. Returns false if a pivot is not sound.
-  bool factorize(const Scene& scene, SceneData& data);
-  /// Whether `factorize` found dependent rows in any robot's K_r.
-  bool rows_depend() const;
-  /// Returns the growth of K's entries in the factors of all K_r and S (Factor::growth).
-  double growth() const;
+  bool factorize(const Scene& scene, SceneData& data);  // K_r, factors of K_r and S, b; false if a pivot is not sound
+  bool rows_depend() const;                             // whether `factorize` found dependent rows in any robot's K_r
+  double growth() const;  // growth of K's entries in the factors of all K_r and S (Factor::growth)
 
   IslandWork& owner;
   using Robot = lanes::RobotBlocks::Robot;
@@ -143,30 +136,23 @@ namespace internal {
 /// Returns the predicted cost of a SIMD batch of `count` robots, relative to that of one robot.
 inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
-/// Prepares an island of a new shape for SIMD batches. Sets `alone.group` if the island has one robot, and `robots` if
-/// solving robot by robot is predicted to be cheaper than factorizing K.
+/// Prepares an island of a new shape for SIMD batches: sets `alone.group` (one robot), or `robots` if cheaper than K.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// Assigns the island's robots and contacts to the plan of its shape. Does not allocate for a contact set used before.
 void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
-/// Groups the current single-robot islands into SIMD batches.
-void group_robots_alone(Workspace& work);
-/// Frees the groups that neither a current nor a pooled island uses.
-void forget_unused_groups(Workspace& work);
-/// Constructs island.robots at the first call, if IslandWork::joinable.
-void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
+void group_robots_alone(Workspace& work);    // groups the current single-robot islands into SIMD batches
+void forget_unused_groups(Workspace& work);  // frees groups that no current or pooled island uses
+void make_robots(const Scene& scene, Workspace& work, IslandWork& island);  // constructs island.robots, if joinable
 
 /// Solves all unsolved single-robot islands in SIMD batches at w.q, data.v, data.tau, first in single precision if
 /// options request it. start: start of a simulation step, if any; data.tau then excludes the step's forces.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
-/// Whether SIMD batches in double precision solve all islands, each of a single robot.
-bool stand_alone(const Scene& scene, const Workspace& w);
-/// Returns the largest number of single robots, or states, in a SIMD batch; 1 without SIMD batches.
-int batch_width(const Workspace& w);
+bool stand_alone(const Scene& scene, const Workspace& w);  // batches of doubles solve all islands, of one robot each
+int batch_width(const Workspace& w);  // the most single robots, or states, in a SIMD batch; 1 without batches
 /// Sets the status, reason, rank and dependent_rows of a report from the dependent rows of the island's J.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
                            const rank::Contradiction<double>& contradiction, IslandReport& report);
-/// Computes derivatives of all islands with IslandWork::served_in_lanes, in w.derivatives.
-void differentiate_alone(const Scene& scene, SceneData& data);
+void differentiate_alone(const Scene& scene, SceneData& data);  // all islands with served_in_lanes, in w.derivatives
 /// Computes jvp or vjp (`product`) of all islands with IslandWork::served_in_lanes. in, out: as in lanes::ProductJob.
 using ProductInLanes = void (lanes::RobotBlocks::*)(const lanes::ProductJob&, std::span<lanes::RobotBlocks::Robot>);
 void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product, const std::array<const double*, 3>& in,
@@ -174,8 +160,7 @@ void multiply_alone(const Scene& scene, SceneData& data, ProductInLanes product,
 
 /// Allocates island.robots->derivatives for `out` if derivatives robot by robot are predicted cheaper than by K.
 void prepare_robots_derivatives(const Scene& scene, IslandWork& island, const IslandDerivatives& out, Workspace& work);
-/// Whether derivatives are computed robot by robot first. This is predicted to be cheaper, but may be inaccurate.
-bool differentiates_by_robots(const IslandWork& island);
+bool differentiates_by_robots(const IslandWork& island);  // whether robot by robot is tried first, as predicted cheaper
 
 /// Return the inputs of SIMD batches for a solve at the current state, and for derivatives at the current solution.
 lanes::Job job_at_state(const Scene& scene, SceneData& data);
