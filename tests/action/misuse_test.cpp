@@ -77,14 +77,14 @@ TEST_F(Misuse, SizesOfTheControl) {
 
 TEST_F(Misuse, SizesInSetters) {
   const Eigen::VectorXd two = Eigen::Vector2d::Zero();
-  EXPECT_INVALID(model->set_u_lb(two), "u_lb has 2 numbers, " + n(w.nu));
-  EXPECT_INVALID(model->set_u_ub(two), "u_ub has 2 numbers, " + n(w.nu));
+  EXPECT_INVALID(model->set_u_lb(two), "u_lb has 2 numbers, expected " + n(w.nu));
+  EXPECT_INVALID(model->set_u_ub(two), "u_ub has 2 numbers, expected " + n(w.nu));
   EXPECT_INVALID(model->set_g_lb(two), "g_lb has 2 numbers, expected 3");
   EXPECT_INVALID(model->set_g_ub(two), "g_ub has 2 numbers, expected 3");
-  EXPECT_INVALID(model->set_armature(two), "armature has 2 numbers, " + n(w.state->get_nv()));
-  EXPECT_INVALID(w.state->set_lb(two), "lb has 2 numbers, " + n(w.state->get_nx()));
-  EXPECT_INVALID(ResidualModelState(w.state, two, w.nu), "2 numbers, " + n(w.state->get_nx()));
-  EXPECT_INVALID(ResidualModelControl(w.state, w.nu).set_reference(two), "2 numbers, " + n(w.nu));
+  EXPECT_INVALID(model->set_armature(two), "armature has 2 numbers, expected " + n(w.state->get_nv()));
+  EXPECT_INVALID(w.state->set_lb(two), "lb has 2 numbers, expected " + n(w.state->get_nx()));
+  EXPECT_INVALID(ResidualModelState(w.state, two, w.nu), "2 numbers, expected " + n(w.state->get_nx()));
+  EXPECT_INVALID(ResidualModelControl(w.state, w.nu).set_reference(two), "2 numbers, expected " + n(w.nu));
 }
 
 TEST_F(Misuse, NumbersOutOfRange) {

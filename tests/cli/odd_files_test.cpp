@@ -72,7 +72,7 @@ TEST_F(OddFiles, LimitsThatBoundNothing) {
   const std::string joint = "type=\"continuous\">";
   expect_contains(run({"inspect", arm(body(1, 1, 1), joint, "", many)}).out, "and 26 more: <limit> has");
   const std::string said = run({"inspect", arm(body(1, 1, 1), joint, "", different)}).out;
-  expect_contains(said, "limits: and 26 more such");
+  expect_contains(said, "limits: there are 26 more such findings");
   EXPECT_EQ(solve({path("scene.xml")}).at("findings").size(), 30u);
 }
 

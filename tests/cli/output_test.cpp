@@ -224,16 +224,16 @@ TEST_F(Output, OneFileByTwoNames) {
     const Outcome outcome =
         run({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("z"), "--json", other});
     EXPECT_EQ(outcome.status, 2) << other;
-    expect_contains(outcome.err, "--out and --json are one file");
+    expect_contains(outcome.err, "--out and --json are the same file");
   }
   const Outcome relative =
       shell("cd '" + path("") + "' && " +
             line_of({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", "z", "--json", "./z"}));
-  expect_contains(relative.err, "--out and --json are one file");
+  expect_contains(relative.err, "--out and --json are the same file");
   EXPECT_FALSE(fs::exists(path("z")));
   const Outcome linked =
       run({"simulate", scene_, "--time", "0.01", "--step", "0.001", "--out", path("there"), "--json", path("link")});
-  expect_contains(linked.err, "--out and --json are one file");
+  expect_contains(linked.err, "--out and --json are the same file");
   expect_old("there");
 }
 

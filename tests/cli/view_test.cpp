@@ -377,7 +377,7 @@ TEST_F(View, BadInput) {
   trajectory({lines[0]}, ":1: has no states");
   trajectory({"t,x", "0,0"}, ":1: there is no column");
   trajectory({lines[0], lines[1], lines[1]}, ":3: the time does not increase");
-  trajectory({lines[0], lines[1] + ",1"}, ":2: has");
+  trajectory({lines[0], lines[1] + ",1"}, ":2: the row has");
   trajectory({lines[0], "nan" + lines[1].substr(lines[1].find(','))},
              ":2: column 't' has 'nan', expected a finite number");
 

@@ -1,6 +1,7 @@
 #pragma once
 // The rows of all contacts of a scene at one state, in any scalar, and their expected values.
 
+#include <type_traits>
 #include <vector>
 
 #include "manycontact/algorithm/integrate.hpp"
@@ -43,12 +44,16 @@ struct SceneRows {
   }
   VecX<S> a0(int k) const { return data[k].a0; }
 
-  /// Returns the placement in the world, from its definition.
+  /// Returns the placement in the world, from its definition. More digits than those of double make it orthogonal.
   SE3<S> world(const Attachment& at) const {
     if (at.robot < 0) return at.placement.template cast<S>();
-    if (at.joint < 0) return scene.robots[at.robot].base.template cast<S>() * at.placement.template cast<S>();
-    const SE3<S> origin{Mat3<S>::Identity(), kin[at.robot].origin(at.joint)};
-    return origin * kin[at.robot].oMi[at.joint] * at.placement.template cast<S>();
+    SE3<S> M = scene.robots[at.robot].base.template cast<S>();
+    if (at.joint >= 0)
+      M = SE3<S>{Mat3<S>::Identity(), kin[at.robot].origin(at.joint)} * kin[at.robot].oMi[at.joint];
+    M = M * at.placement.template cast<S>();
+    if constexpr (!std::is_same_v<S, double>)
+      M.R = Mat3<S>(M.R * (S(3) * Mat3<S>::Identity() - M.R.transpose() * M.R)) / S(2);
+    return M;
   }
   SE3<S> A(int k) const { return world(scene.contacts[k].A); }
   SE3<S> B(int k) const { return world(scene.contacts[k].B); }

@@ -112,7 +112,7 @@ TEST_F(Include, CirclesAndDepthAreRefused) {
   for (int k = 0; k < 40; ++k) write("d" + std::to_string(k) + ".xml", include("d" + std::to_string(k + 1) + ".xml"));
   write("d40.xml", robot("r"));
   write("scene.xml", include("d0.xml"));
-  expect_problem("d15.xml:2: ", "more than 16 deep");
+  expect_problem("d15.xml:2: ", "more than 16 levels deep");
   write("scene.xml", include("d30.xml"));
   EXPECT_EQ(read().scene.nrobots(), 1);
   // one file from two places is not a cycle; files with robots are refused by their names, others by their number

@@ -91,7 +91,7 @@ TEST_F(OddUrdf, LimitsThatBoundNothing) {
        "<limit> has no velocity, where the joint is taken as unlimited"},
       {"continuous", R"(<limit velocity="4"/>)", -inf, inf, 4, inf,
        "<limit> has no effort, where the joint is taken as unlimited"},
-      {"continuous", "<limit/>", -inf, inf, inf, inf, "effort missing, velocity missing"},
+      {"continuous", "<limit/>", -inf, inf, inf, inf, "<limit> has no effort, no velocity, where"},
       {"continuous", R"(<limit lower="-Inf" upper="nan" velocity="5" effort="4"/>)", -inf, inf, 5, 4, ""},
       {"prismatic", R"(<limit lower="-1" upper="1" velocity="-1" effort="-0.5"/>)", -1, 1, inf, inf,
        "effort -0.5, velocity -1"},

@@ -181,7 +181,7 @@ def test_solution_in_simulation_by_its_gains(program, tmp_path):
     assert len(motion.xs) == 57 and np.all(np.isfinite(motion.xs))
     u = solution.us[5] - gains.K[5] @ np.full(36, 0.01)  # feedback of a state that deviates
     assert np.max(np.abs(u - solution.us[5])) > 0.1
-    with pytest.raises(ValueError, match="a step"):
+    with pytest.raises(ValueError, match="substeps is below 1"):
         mc.simulate(task, solution, substeps=0)
     with pytest.raises(ValueError, match="unknown integrator"):
         mc.simulate(task, solution, "euler")

@@ -241,7 +241,7 @@ def test_what_does_not_fit(scene):
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 6))), "fext has 2 forces"),
         (lambda: mc.rnea(scene, q, v, a, fext=np.zeros((2, 5))), "shape"),
         (lambda: mc.frame_velocity(scene, data, "r0/lft_hand"), "left_hand"),
-        (lambda: mc.joint_wrench(scene, data, "r0/left_knee"), "before"),
+        (lambda: mc.joint_wrench(scene, data, "r0/left_knee"), "call rnea"),
         (lambda: mc.inverse_inertia_times(scene, q, np.zeros((2, 2))), "(nv, n)"),
         (lambda: mc.RigidBodies(scene, "r9"), "no robot 'r9'"),
         (lambda: mc.forward_kinematics(scene, q, data, a=a), "not v"),

@@ -81,8 +81,8 @@ class ContactReader {
     contact.B.placement = c.B_offset;
     if (c.ends.to_robot)
       contact.B = c.ends.B.on(target, c.B_offset);
-    else if (contact.normal)  // the normal is in world axes, and rotates with the copy's base
-      contact.normal = turn_of_copy(c.ends.A, i) * *contact.normal;
+    else if (c.contact.normal)  // the normal is in world axes, and rotates with the copy's base
+      contact.normal = turn_of_copy(c.ends.A, i) * *c.contact.normal;
     if (!c.position_given || !c.orientation_given)
       references_.resolve(!c.position_given, !c.orientation_given, contact);
     add_or_fail(e, [&] {
