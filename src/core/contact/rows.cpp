@@ -50,7 +50,8 @@ SE3<S> place(const Scene& scene, const Attachment& at, const Kinematics<S>& kin)
   return M;
 }
 
-// Returns the position in the world of `place`'s origin. On a fixed base kin may be of an earlier state and is unused.
+// Returns the world position of the origin relative to which place() gives the placement. On a fixed base, kin is not
+// used, because it may be of an earlier state.
 template <class S>
 WorldPoint<S> origin(const Scene& scene, const Attachment& at, const Kinematics<S>& kin) {
   if (at.joint >= 0) return kin.origins[kin.tree_of[at.joint]];

@@ -56,7 +56,7 @@ void advise_rows(const Subject& x, std::vector<std::string>& advice) {
 
 struct Replacement {  // a contact that could replace all contacts between two bodies
   std::string text;   // the advice; empty if there is none
-  int rows = -1;      // number of rows; -1: no single contact type replaces them
+  int rows = -1;      // number of rows after the replacement; -1: no single contact can replace the contacts
 };
 
 Replacement replacement(const Scene& scene, const BodyPair& p) {

@@ -108,7 +108,7 @@ void add_wrenches(const std::vector<Element>& elements, SceneFile& out);
 void add_springs(const std::vector<Element>& elements, SceneFile& out);
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out);
 
-/// read_pose adds the poses of one <pose> element, one per copy; add_poses adds those of all elements.
+/// read_pose adds the poses of one <pose> element, one per copy of its robot; add_poses adds those of all elements.
 void read_pose(const Element& e, const Scene& scene, EndReader& ends, std::vector<ScenePose>& out);
 void add_poses(const std::vector<Element>& elements, SceneFile& out);
 

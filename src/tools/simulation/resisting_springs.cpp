@@ -21,7 +21,7 @@ namespace {
 constexpr double kFelt = 1e-3;           // rows across a spring are left out if D J M^-1 J^T is below this
 constexpr double kNothing = 1e-12;       // least value of D J K^-1 J^T of a row across a spring
 constexpr std::size_t kMostRows = 3000;  // most rows for which J K^-1 J^T is stored dense
-constexpr double kMostZeros = 8;         // largest ratio of its entries to its nonzeros for dense storage
+constexpr double kMostZeros = 8;         // largest ratio of entries to nonzeros at which J K^-1 J^T is stored dense
 constexpr int kFewNumbers = 32;          // fewer unit forces on an island are solved one by one
 constexpr int kMostCoordinates = 2000;   // most velocities of an island for which K^-1 is computed as a matrix
 

@@ -1,12 +1,14 @@
 #pragma once
 // Springs and dampers between points in a semi-implicit Euler step of any length.
 //
-// A spring has stiffness k, damping c and stretch e. J v is the relative velocity of its ends along a direction. With
-// D = h^2 k + h c the impulse is p = -D (J v+ + g), where D g = h k e - s h^2 k J v, s as in spring_share.hpp. This is
-// the force -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is also stiff
-// across its direction: D = h^2 T / l, D g = -s D J v', with v' the velocity at the start without its stretching part.
-// If the spring rotates with its bodies, its force does not brake them: with r the rotating share of the ends' motion,
-// g = -(s + r - s r) J v'. With K the KKT matrix without springs and x0 the solution of K x0 = b,
+// A spring has stiffness k, damping c and stretch e. J v is the relative velocity of its ends along a direction, and s
+// is the share of the start velocity v that the spring does not resist (spring_share.hpp). With D = h^2 k + h c the
+// impulse is p = -D (J v+ + g), where D g = h k e - s h^2 k J v. It is h times the force
+// -k (e + h J (v+ - s v)) - c J v+. A spring with tension T and length l at the end of the step is also stiff across
+// its direction: D = h^2 T / l, D g = -s D J v', with v' the velocity at the start without its stretching part. If the
+// spring rotates with its bodies, its force does not brake them: with r the rotating share of the ends' motion,
+// g = -(s + r - s r) J v'. The step without springs has the KKT matrix K, the right-hand side b and the solution x0 =
+// K^-1 b. With springs,
 //
 //     (D^-1 + J K^-1 J^T) p = -(J x0 + g),        and then K v+ = b + J^T p.
 //

@@ -281,7 +281,7 @@ inline constexpr int kExtendedSteps = 60;
 /// the scene as read: kExtendedShare is 2^-104 / 2^-53 times 32, for the constants of double-double.
 inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtendedShare = 0x1p-46;
 
-// ---- choosing -------------------------------------------------------------------------------------------------
+// ---- elimination orders and supernodes ------------------------------------------------------------------------
 
 /// Another elimination order is chosen if its predicted cost is below this fraction of the current order's, a margin
 /// for errors of the prediction. The first order, leaf-to-root, is the most accurate.

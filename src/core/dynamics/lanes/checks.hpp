@@ -36,7 +36,8 @@ struct FourLargest {  // maximum of non-negative numbers
   S total() const { return larger(larger(of[0], of[1]), larger(of[2], of[3])); }
 };
 
-/// Factors of thresholds of pivots and rows (kLeft), of successive pivots (kPassedOn): 1 for doubles, more for floats.
+/// 1 for doubles, more for floats. kLeft multiplies the thresholds of single pivots and rows. kPassedOn divides each of
+/// the two pivots whose product must exceed a threshold (rank::PassedOn).
 template <class S>
 inline constexpr double kLeft = std::is_same_v<typename S::Element, float> ? tolerance::kSingleLeft : 1;
 template <class S>
@@ -58,7 +59,7 @@ typename S::Mask usable_input(const Model& model, const VecX<S>& q, const VecX<S
   return usable;
 }
 
-/// Accepts or rejects pivots in elimination order. passed_on_more: multiplies the threshold of two successive pivots.
+/// Accepts or rejects pivots in elimination order. passed_on_more: divides each pivot in products of two pivots.
 template <class S>
 class PivotJudge {
  public:

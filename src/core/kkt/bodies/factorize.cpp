@@ -47,7 +47,7 @@ struct Rows {
   int m, ld;
   int* row;
   V6 *G, *H;
-  double *W, *E;  // W: m x ndof; E: m x ld, symmetric while rows are open
+  double *W, *E;  // W: m x ndof; E: m x ld, symmetric among rows not yet eliminated, with L in the other columns
 
   double& e(int i, int j) { return E[static_cast<std::ptrdiff_t>(i) * ld + j]; }
 };

@@ -24,13 +24,14 @@ void each_joint(const BodiesSystem& bodies, const BodySubtree& subtree, Use&& us
   }
 }
 
-// Evaluates a subtree's equations. The subtree's bases have the acceleration of the constrained body above.
+// Evaluates the matrix and the right-hand side of a subtree's equations. The constrained body above, if any, has a
+// known acceleration, which is added to the right-hand side of the subtree's root bodies.
 void evaluate_subtree(const Scene& scene, const SceneData& data, BodiesSystem& bodies, const BodySubtree& subtree,
                       BodiesSystem::Slot& slot) {
   BodySystem& s = slot.system;
   BodyVectors& b = slot.solution.b;
   slot.subtree = &subtree;
-  s.S.setZero();  // subtrees of one shape may have joints of other types
+  s.S.setZero();  // the slot's previous subtree has the same shape, but may have joints of different types
   each_joint(bodies, subtree, [&](int i, std::size_t robot, int joint) {
     evaluate_node(scene, data, bodies, robot, joint, i, s.pattern->first_dof[i], s, b);
     if (s.pattern->parent[i] < 0 && subtree.above >= 0) b.motion[i] += motion_at(bodies.held[subtree.above].a, s.r[i]);

@@ -99,7 +99,7 @@ struct End {  // the end, on one robot, of a contact that couples two robots
   int among;       // index of the contact in the robot's coupling contacts
   int row;         // first row in G_r
   bool B;          // whether this is the contact's end B, not A
-  int first, end;  // range of the contact's columns on this robot
+  int first, end;  // range of those columns of the contact's J that belong to this robot
 };
 template <class Use>
 void each_end(const RobotsSystem& system, std::size_t k, Use&& use) {  // calls use(end) per coupling contact of robot k

@@ -1,10 +1,11 @@
 #pragma once
-// Solves coupled blocks by a Schur complement, without one dense value function. A cluster is a set of blocks that
-// groups join in any knot. Each cluster has a Riccati recursion of its own, in which the couplings' variables y = (w,
-// mu) count as given. A symmetric system S y + s = 0 in all y remains, sparse over the graph of couplings, dense in
-// time. It is factorized by blocks (block_cholesky.hpp). Block S_jl is the sum over clusters of the effect of y_l (y of
-// knot l) on the equations of the couplings in knot j. Notation: K, P, Qvv = L L^T of a cluster (riccati.hpp), the
-// closed loop F = A + B K, and the coefficients Gx, Gu, E of y in q, r, f of knot l:
+// Solves coupled blocks by a Schur complement, without one dense value function. A cluster is a set of blocks that are
+// in one group (problem.hpp) in some knot, directly or through other blocks. Each cluster has a Riccati recursion of
+// its own, in which the couplings' variables y = (w, mu) count as given. A symmetric system S y + s = 0 in all y
+// remains, sparse over the graph of couplings, dense in time. It is factorized by blocks (block_cholesky.hpp). Block
+// S_jl is the sum over clusters of the effect of y_l (y of knot l) on the equations of the couplings in knot j.
+// Notation: K, P, Qvv = L L^T of a cluster (riccati.hpp), the closed loop F = A + B K, and the coefficients Gx, Gu, E
+// of y in q, r, f of knot l:
 //
 //   Gx = [S_w  C^T]      Gu = [R_uw  D_u^T]      E = [B_w  0]      g = Gu + B^T P+ E
 //   pi_l    = Gx + K^T Gu + F^T P+ E                       gradient of the value function w.r.t. y_l

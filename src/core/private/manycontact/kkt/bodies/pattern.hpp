@@ -16,7 +16,7 @@ struct BodyPattern {
   std::vector<int> A, B;             // one entry per contact row: nodes on which it acts; -1: an immovable body
   std::vector<int> at_first, at;     // rows on node i: at[at_first[i]] ... at[at_first[i + 1] - 1]
 
-  // Constrained nodes: nodes with children that one to six rows constrain relative to the world or to a fixed base.
+  // Constrained nodes: nodes that have children, and are constrained by one to six rows to the world or a fixed base.
   std::vector<int> hold;            // one entry per node: its index h among constrained nodes, or -1
   std::vector<int> own_first, own;  // rows of constrained node h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
