@@ -28,7 +28,8 @@ struct ThreadWork;
 
 namespace internal {
 
-/// The accuracy of an island's a or f: largest entry (size), its error bound (error), largest effect of loads (acts).
+/// The accuracy of an island's accelerations a or forces f. size: largest |entry|; error: bound of every entry's error;
+/// acts: largest acceleration or force that a single load causes (Acting).
 struct Known {
   double size = 0, error = 0, acts = 0;
   double relative() const { return error == 0 ? 0 : error / size; }
@@ -38,7 +39,8 @@ struct Known {
 };
 
 /// The largest loads on an island: gravity; torques and bias forces (load), and these divided by inertia (moved); terms
-/// of contact rows divided by moment arms (answered). Errors of a and f are judged relative to acceleration(), force().
+/// of contact rows divided by moment arms (answered). Errors of a and f are judged relative to acceleration() and
+/// force() if these exceed the largest entries of a and f.
 struct Acting {
   double gravity = 0, load = 0, moved = 0, answered = 0, inertia = 0, lever = 0;
   void add_coordinate(double torque, double its_inertia) {
@@ -75,9 +77,9 @@ class IslandSystem {
  public:
   virtual ~IslandSystem() = default;
 
-  /// Solves for data.tau at the current state. Sets data.a, data.f and report; if it fails, report.reason, if known.
+  /// Solves for data.tau at the current state. Sets data.a, data.f, report; on failure only report.reason, if known.
   virtual bool solve(const Scene &, SceneData &, ThreadWork &, IslandReport &) { return false; }
-  /// Computes the requested derivatives of the current solution in the panel X, already allocated by lay_out.
+  /// Computes the requested derivatives of the current solution in IslandDerivatives::X, which lay_out has allocated.
   virtual bool differentiate(const Scene &, SceneData &, ThreadWork &, IslandDerivatives &) { return false; }
   /// Compute products with the derivatives (jvp) or their transposes (vjp) by a solve that is refined once.
   virtual bool jvp(const Scene &, SceneData &, ThreadWork &, const TangentProduct &) { return false; }

@@ -31,7 +31,7 @@ struct TwistSize {
   }
 };
 
-struct InertiaSize {  // mass m, first moment h and moments I; h and I at least those of m at distance `lever`
+struct InertiaSize {  // magnitudes of mass, first moment, moments of inertia; at least of m at `lever`
   double m = 0, h = 0, I = 0;
   InertiaSize() = default;
   InertiaSize(const Inertia<double>& Y, double lever)
@@ -132,7 +132,8 @@ namespace {
 using internal::rounding;
 using internal::rounding_of_J;
 
-// Returns |r| + c eps |terms| per row, in elimination order. r: residual without the contacts' inconsistency.
+// Returns |r| + c eps |terms| per row of K x = b, in elimination order. r: residual b - K x without the contacts'
+// inconsistency; terms: the terms that are summed in the row.
 std::vector<double> uncertainty(const Scene& scene, SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
   const KktVectors& s = m.v;
@@ -167,7 +168,8 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Matri
   return out;
 }
 
-// Estimates the largest kept_k (|K^-1| w)_k as the 1-norm of diag(w) K^-1 diag(kept). solve(x): x becomes K^-1 x.
+// Estimates the largest of kept_k (|K^-1| w)_k over k as the 1-norm of diag(w) K^-1 diag(kept). kept: weights of the
+// unknowns, zero for those that do not count. solve(x): x becomes K^-1 x.
 double bound(const Apply& solve, const std::vector<double>& w, const std::vector<double>& kept) {
   const int n = static_cast<int>(w.size());
   const auto mask = [&](double* x) {
@@ -223,7 +225,8 @@ double turned_forces(const Scene& scene, const Workspace& work, MatrixSystem& m)
 
 }  // namespace
 
-// dJ: c eps in each row's nonzero columns, eps in all columns by orthogonal elimination (Higham, theorem 20.3).
+// The relative errors dJ of J are c eps in each row's nonzero columns, and eps in all columns due to orthogonal
+// elimination (Higham, theorem 20.3).
 std::vector<double> internal::turned_contradiction(const Scene& scene, const Workspace& work, const MatrixSystem& m,
                                                    const std::vector<double>& r) {
   const int* iperm = m.K.pattern->iperm.data();
@@ -254,7 +257,8 @@ double projected_forces(const MatrixSystem& m) {  // bounds force errors due to 
   return m.factor->projector_error() * f;
 }
 
-// The largest entry of the reported a or f (size), and its largest difference to the x that is bounded (moved).
+// The largest entry of the reported a or f (size), and the largest difference of an entry to that of MatrixSystem's own
+// solution, whose error is bounded (moved). The two differ if another system solved the island.
 struct Given {
   double size = 0, moved = 0;
   void add(double given, double own) {

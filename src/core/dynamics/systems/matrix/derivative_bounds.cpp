@@ -77,7 +77,7 @@ void add_turned_forces(const Model& model, const Kinematics<double>& kin, const 
 // rotates with q has a derivative of the term's size; a product of two velocities has one of twice the term's size.
 struct TermsOfDerivatives {
   std::vector<double> q, v;
-  std::vector<double> M;  // one entry per row of dynamics: terms of the largest entry of M
+  std::vector<double> M;  // one entry per row of dynamics: terms of the largest entry of this row of M
 };
 TermsOfDerivatives terms_of_derivatives(const Scene& scene, const SceneData& data, const MatrixSystem& m) {
   const Workspace& work = *data.workspace;
@@ -187,7 +187,7 @@ std::vector<double> unknown_contradiction(const Scene& scene, const Workspace& w
 struct Panel {  // columns X of derivatives, and their residuals in the scaled units of K
   const AlignedPanel& X;
   AlignedPanel Y, left;  // Y = [da; -df], df divided by the row units S; residual R - K Y
-  AlignedPanel missed;   // P R, if rows are dependent
+  AlignedPanel missed;   // R's projection P R on the null space; set if rows are dependent
 
   // X may have memory for more columns than R.
   Panel(const MatrixSystem& m, const AlignedPanel& of, const AlignedPanel& R) : X(of), Y(R), left(R) {

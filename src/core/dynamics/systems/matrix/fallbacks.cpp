@@ -27,7 +27,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough: cubic time, quadratic memory
+bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough for dense elimination
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
@@ -91,7 +91,7 @@ double backward_error_of_data(const Scene& scene, const MatrixSystem& m, const s
   const KktVectors& v = m.v;
   constexpr double kRounding = std::numeric_limits<double>::epsilon() / tolerance::kConverged;
   const auto inertia = [&](int k) { return m.K.values[p.K.p[p.iperm[k] + 1] - 1]; };
-  double error = 0, of_rows = 0, largest_a = 0;  // of_rows: largest terms of contact rows; largest_a: terms / size
+  double error = 0, of_rows = 0, largest_a = 0;  // of_rows: largest terms of contact rows; largest_a: of terms / size
   for (int k = 0; k < p.size(); ++k) {
     const double terms = v.scale[p.iperm[k]];
     if (k >= p.nv) of_rows = std::max(of_rows, terms);
@@ -187,7 +187,7 @@ Reason attempt(const Scene& scene, const SceneData& data, FactorScratch& scratch
   return reason;
 }
 
-// Adds LDL with waiting rows, unless nc > kFewRows and the nc - nv rows that surely depend are over kMostWaiting. If nc
+// Adds LDL with waiting rows, unless nc > kFewRows and more than kMostWaiting rows surely depend (nc - nv). If nc
 // > kFewRows, also adds LDL of all rows, if sound pivots are expected (`plainly`), and then proximal steps.
 void add_ldl(const MatrixSystem& m, Order order, bool plainly, Attempts& out) {
   const bool large = m.owner.island.nc > tolerance::kFewRows;

@@ -37,7 +37,8 @@ DependentDerivatives& work_of(MatrixSystem& m) {
   return *m.rows;
 }
 
-// Returns a y with J y = f, once per solution. P D is the same for every such y, as P d(J n) = 0 where J n = 0.
+// Returns a y with J y = f for the contact forces f, computed once per solution. P D is the same for every such y,
+// as P d(J n) = 0 where J n = 0.
 const Eigen::VectorXd& any_motion(const Scene& scene, const SceneData& data, MatrixSystem& m, KktVectors& v) {
   DependentDerivatives& w = work_of(m);
   if (w.known) return w.y;

@@ -36,11 +36,11 @@ std::vector<double> change_of(const MatrixSystem& m) {
   return out;
 }
 
-// Reports the residuals with the scene's original J, before WithinTolerance changed it.
+// Reports the residuals of the solution with the scene's J, i.e. without the change of J by WithinTolerance.
 void report_residuals(const Scene& scene, const MatrixSystem& m, IslandReport& report) {
   const KktPattern& p = *m.K.pattern;
   const KktVectors& s = m.v;
-  double r[2] = {0, 0}, scale[2] = {0, 0};  // dynamics rows, contact rows
+  double r[2] = {0, 0}, scale[2] = {0, 0};  // largest: [0] dynamics rows, [1] contact rows
   const std::vector<double> changed = change_of(m);
   for (int k = 0; k < p.size(); ++k) {
     const int row = p.perm[k] >= p.nv;
@@ -90,7 +90,7 @@ bool solve_at_state(const Scene& scene, const SceneData& data, ThreadWork& threa
 // rounding errors, or the change of J, may spoil the row's unknown. In this rare case error bounds decide the status.
 bool in_doubt(const Scene& scene, const MatrixSystem& m) {
   const KktPattern& p = *m.K.pattern;
-  double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and changes
+  double size[2] = {scene.gravity.cwiseAbs().maxCoeff(), 0}, change[2] = {0, 0};  // largest a, f and change of a, f
   const std::vector<double> changed = change_of(m);
   constexpr double kRounding = tolerance::kBoundRounding * std::numeric_limits<double>::epsilon();
   for (int k = 0; k < p.size(); ++k) {

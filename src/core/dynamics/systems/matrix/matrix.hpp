@@ -1,7 +1,7 @@
 #pragma once
-// Solves an island by its whole K in joint space. MatrixSystem tries several factors, the dense reference solver last,
-// until one is sound (fallbacks.cpp). Here S is the diagonal scaling of contact rows by their weights
-// (rank/row_units.hpp), K^+ the generalised inverse of K, and c eps a relative rounding error (`rounding`).
+// Solves an island by factors of its whole K = [M J^T; J -delta I]. MatrixSystem tries several factors, the dense
+// reference solver last, until one is sound (fallbacks.cpp). Here S is the diagonal scaling of contact rows by their
+// weights (rank/row_units.hpp), K^+ the generalised inverse of K, and c eps a relative rounding error (`rounding`).
 
 #include <array>
 #include <span>
@@ -23,12 +23,12 @@ struct DependentDerivatives {
   Eigen::VectorXd y;                     // nv: any solution of J y = f, where f are the contact forces
   bool known = false;                    // whether y was computed for the current solution
   Eigen::VectorXd dofs, gradient, rows;  // scratch: nv, nv, nc
-  // set by take_columns
+  // set by take_columns (least_norm_forces.cpp)
   std::vector<char> in_null_space;  // nc: whether the row takes part in a linear dependence of rows of J
-  std::vector<int> contacts;        // contacts of the island with such rows
+  std::vector<int> contacts;        // contacts of the island that have rows in linear dependences
   // columns: coordinates on which J of `contacts` depends; place: nv, each coordinate's index in `columns`, or -1
   std::vector<int> columns, place;
-  std::vector<double> panel;        // scratch: size x columns, padded
+  std::vector<double> panel;        // scratch: one row per row of K, one padded column per entry of `columns`
 };
 
 class MatrixSystem final : public IslandSystem {
@@ -49,7 +49,8 @@ class MatrixSystem final : public IslandSystem {
   void make_room(Order order);  // allocates K and its vectors in this elimination order
   bool deficient() const;       // whether the island has redundant contact rows
 
-  /// Calls use(row, column, change) for the entries of J that `within` changed; row and column are in K's order.
+  /// Calls use(row, column, change) for each entry of J in K that `within` (WithinTolerance) changed. row and column
+  /// are indices in K's elimination order.
   template <class Use>
   void each_change(Use&& use) const {
     if (tolerated == 0) return;
@@ -64,15 +65,16 @@ class MatrixSystem final : public IslandSystem {
   std::uint64_t state = 0;                    // Workspace::state at which the members below were computed
   KktMatrix K;
   KktVectors v;                   // x: the solution
-  std::vector<double> row_terms;  // nc, scratch of the factorization
+  std::vector<double> row_terms;  // nc, scratch: magnitudes of the terms of each row's a0
   std::vector<double> unit;       // nc: diagonal of the scaling S of K and v; empty if S = I
-  // Factors by FactorKind, constructed on demand. waiting_in_order has the chosen order, `waiting` leaf-to-root.
+  // Factors by FactorKind, constructed on demand. There are two of kWaiting: waiting_in_order in the chosen elimination
+  // order, and `waiting` leaf-to-root.
   std::unique_ptr<Factor> chosen, waiting_in_order, waiting, proximal, dense;
   Factor* factor = nullptr;    // the factor that solved; nullptr: none
-  double first_error = 0;      // backward error before refinement
+  double first_error = 0;      // backward error of x before refinement
   bool contradiction = false;  // whether the contacts are inconsistent, so that x is the least-squares solution
   WithinTolerance within;
-  double tolerated = 0;                        // possible relative inconsistency if `within` changed J, else 0
+  double tolerated = 0;                        // relative inconsistency that changes of J by `within` explain, else 0
   std::vector<int> dependent;                  // scratch: dependent rows of J
   std::unique_ptr<DependentDerivatives> rows;  // set by differentiate and products if rows are dependent
 };
@@ -84,7 +86,8 @@ namespace internal {
 inline void scale_rows(const MatrixSystem& m, IslandDerivatives& out) {  // multiplies contact rows of out.X by S
   for (std::size_t k = 0; k < m.unit.size(); ++k) out.X.row(out.nv + static_cast<Eigen::Index>(k)) *= m.unit[k];
 }
-/// Computes right-hand sides with terms of inconsistent contacts. Returns false if inaccurate. Requires an AtSolution.
+/// Computes the right-hand sides of derivatives in out.X, scaled by S, with terms of inconsistent contacts. Returns
+/// false if these terms are inaccurate. An AtSolution must exist.
 bool weighed_right_hand_sides(const Scene& scene, SceneData& data, MatrixSystem& system, IslandDerivatives& out,
                               PanelWork& work);
 std::pair<Known, Known> known_answer(const Scene& scene, SceneData& data, MatrixSystem& system);  // accuracy of a, f
@@ -96,8 +99,9 @@ double condition_of(MatrixSystem& system);                 // an estimate of |K|
 double bound_of_solution(MatrixSystem& system, const std::vector<double>& w, int first, int count);
 /// Estimates the largest entry of |K^-1 K^-1| w in rows first ... first+count-1 of the island.
 double bound_of_two_solutions(MatrixSystem& system, const std::vector<double>& w, int first, int count);
-double rounding(const Scene& scene, const MatrixSystem& system);  // c eps, of sums along the deepest chain of joints
-/// Returns the relative error of J: c eps or, if larger, the residual by which dropped rows fail to be dependent.
+double rounding(const Scene& scene, const MatrixSystem& system);  // c eps, for sums along the deepest chain of joints
+/// Returns the relative error of J: c eps or, if larger, the largest relative residual with which the factor's dropped
+/// rows depend on its kept rows.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
 /// Adds |dJ| times `sizes`, magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J divided by c eps.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
@@ -110,16 +114,16 @@ std::vector<double> turned_contradiction(const Scene& scene, const Workspace& wo
 bool bound_derivatives(const Scene& scene, SceneData& data, ThreadWork& thread, MatrixSystem& system,
                        const IslandDerivatives& derivatives, DerivativeBounds& out);
 
-void make_robot(const Scene& scene, Workspace& work, int robot);  // allocates its terms at the first call
-bool is_evaluated(const Workspace& work, int robot);  // whether its terms were evaluated at the current state
+void make_robot(const Scene& scene, Workspace& work, int robot);  // allocates RobotData at the first call
+bool is_evaluated(const Workspace& work, int robot);  // whether RobotData is of the current state
 /// Allocates the joint-space terms of an island at the first call. Throws std::length_error if an M is too large.
 void make_joint_space(const Scene& scene, Workspace& work, IslandWork& d);
 /// Evaluates kinematics, bias, inertia and contact rows of an island, whose memory is allocated.
 void evaluate(const Scene& scene, const ConstVector& q, const ConstVector& v, Workspace& work, const Island& island);
 /// Allocates an island's joint-space terms and evaluates them at the current q, v, unless this was done already.
 void evaluate_at_state(const Scene& scene, const SceneData& data, IslandWork& d);
-void place_at_state(const Scene& scene, const SceneData& data, const Island& island);  // bodies at the current q
-bool joint_space_fits(const IslandWork& d);  // whether allowed: sparse-bodies only up to kMostJointSpace numbers
+void place_at_state(const Scene& scene, const SceneData& data, const Island& island);  // places the robots' bodies at q
+bool joint_space_fits(const IslandWork& d);  // whether M and J are small enough; if not, only sparse-bodies solves
 /// Throws std::length_error, naming `function`, unless joint_space_fits. instead: advice that ends the message.
 void check_joint_space(const IslandWork& d, const char* function, const char* instead);
 
@@ -143,7 +147,7 @@ struct Attempts {
   void add(const Attempt& attempt) { list[count++] = attempt; }
 };
 /// Returns the attempts to solve an island, in order. LDL without damping: kWaiting in the chosen, then leaf-to-root
-/// order; with over kFewRows rows each is followed (or, if too many depend, replaced) by kProximal, and kChosen
+/// order; with over kFewRows rows each is followed (or, if too many rows depend, replaced) by kProximal, and kChosen
 /// precedes the first kProximal if sound pivots are expected. Other methods, or damping: kChosen, then leaf-to-root
 /// kChosen (with damping) or kWaiting (without). For n <= kDenseSize, kDense is last.
 Attempts attempts_of(const Scene& scene, const MatrixSystem& system);

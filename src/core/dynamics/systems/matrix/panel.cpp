@@ -10,7 +10,9 @@ namespace manycontact::internal {
 
 namespace {
 
-struct Reach {  // rows of K, in elimination order: of a robot, its contacts, and robots at the contacts' other ends
+// Flags the rows of K, in elimination order, in which right-hand sides may be nonzero: rows of a robot, of its
+// contacts, and of the robots at the contacts' other ends.
+struct Reach {
   const Scene& scene;
   const Island& island;
   const int* iperm;
@@ -44,7 +46,8 @@ void solve_chunk(MatrixSystem& m, double* X, int ld, int first, int cols, bool r
     m.factor->solve_panel(X, ld, first, cols, work.nonzero.data());
 }
 
-// Solves in chunks of columns; each chunk visits only rows with nonzero right-hand sides and their fill-in.
+// Solves for the panel out.X in chunks of columns. Each chunk visits only rows with nonzero right-hand sides and those
+// that they fill in.
 void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, bool refined, PanelWork& work) {
   const Island& island = m.owner.island;
   const int ld = static_cast<int>(out.X.cols());
@@ -72,7 +75,7 @@ void solve_blocks(const Scene& scene, MatrixSystem& m, IslandDerivatives& out, b
   }
 }
 
-bool grows_too_much(const Factor& factor) {  // so that each solution must be checked by its own residual
+bool grows_too_much(const Factor& factor) {  // whether each solution needs a check by its own residual
   return factor.growth() * std::numeric_limits<double>::epsilon() > tolerance::kConverged;
 }
 
@@ -102,8 +105,9 @@ bool needs_no_refinement(MatrixSystem& m) {
   return m.first_error <= tolerance::kRefinePanel || m.factor->panel_error(m.K) <= tolerance::kRefinePanel;
 }
 
-// Solves and refines the columns one by one, judged by componentwise errors. With dependent rows and a factor with
-// large growth, norms of a whole panel would hide errors of small entries. Returns false if a column is inaccurate.
+// Solves and refines the panel's columns one by one, by componentwise errors; normwise_error then judges each column.
+// With dependent rows and a factor with large growth, norms of a whole panel would hide errors of small entries.
+// Returns false if a column is inaccurate.
 bool solve_one_by_one(MatrixSystem& m, double* X, int ld, KktVectors& v) {
   const KktPattern& p = *m.K.pattern;
   v.resize(p.size());

@@ -6,7 +6,8 @@
 
 namespace manycontact::internal {
 
-/// Calls use(A's model, kinematics, B's model, kinematics); for a fixed end, those of the other end's robot.
+/// Calls use(model, kinematics, model, kinematics) with those of the robots at a contact's ends A and B. A fixed end
+/// has those of the other end's robot.
 template <class Use>
 RowTerms<double> with_robots_of(const Scene& scene, const Workspace& work, const Contact& contact, Use&& use) {
   const int a = moves(contact.A) ? contact.A.robot : contact.B.robot, b = moves(contact.B) ? contact.B.robot : a;

@@ -40,15 +40,15 @@ namespace manycontact {
 
 struct WithinTolerance::Work {
   std::vector<char> turns;                                         // whether each coordinate is in rad
-  std::vector<int> contact, row;                                   // one entry per row of J
-  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // coordinate's contacts, and column in each J
+  std::vector<int> contact, row;                                   // one entry per row of J: contact, row in it
+  std::vector<std::vector<std::pair<int, Eigen::Index>>> columns;  // one list per coordinate: contact, column
 
-  // set by find
+  // set by find: [D J^T; J 0] as K, its factor L, D, and thresholds for rows of J
   std::vector<double> K, L, D, row_scale;
   sparse::LdlWorkspace ldl;
   rank::DependentRows rows;
   double lever = 1, tolerance = 0;  // L, the largest moment arm [m]; t, the error of rows of J in m
-  std::vector<double> x;            // scratch, in K's order: a solution
+  std::vector<double> x;            // scratch, in K's order: a solution with K
   std::vector<double> n;            // a column of N, in K's order
   // Per coordinate c: n^T J_c; |n|^T |J_c|; sum_j |n_j| e_j; sum_j (n_j e_j)^2. e_j: error_of_entry of J_jc.
   Eigen::VectorXd left, terms, explained, weight;
@@ -67,7 +67,7 @@ void take_island(const Scene& scene, const IslandWork& d, Work& w) {
   for (int r : d.island.robots)
     for (const Joint& joint : scene.robots[r].model->joints)
       for (int k = 0; k < joint.nv(); ++k) w.turns.push_back(internal::is_angular(joint, k));
-  if (!w.columns.empty()) return;  // constant for the island's shape
+  if (!w.columns.empty()) return;  // `columns`, `contact` and `row` are constant for the island's shape
   w.columns.resize(d.island.nv);
   for (std::size_t k = 0; k < d.island.contacts.size(); ++k) {
     for (int i = 0; i < scene.contacts[d.island.contacts[k]].rows(); ++i)
@@ -113,13 +113,13 @@ bool factorize(const Workspace& work, const IslandWork& d, const KktPattern& p, 
   for (int c : d.island.contacts)
     for (double value : work.contacts[c].J.reshaped()) w.K[*slot++] = value;
   const double margin = left / tolerance::kPivotLeft;
-  w.row_scale.assign(p.size(), 0.0);  // drops rows below sqrt(left) of their possible size
+  w.row_scale.assign(p.size(), 0.0);  // drops rows whose entries are below sqrt(left) times their possible size
   for (int r = 0; r < p.nc; ++r)
     w.row_scale[p.iperm[p.nv + r]] = std::sqrt(left) * (w.row[r] < 3 ? w.lever : 1) / (margin * tolerance::kRank);
   w.L.resize(p.ldl.nonzeros()), w.D.resize(p.size());
   if (rank::ldl_factor_dependent(p.K, p.ldl, w.K.data(), p.of_M, margin, w.row_scale.data(), w.ldl, w.L.data(),
                                  w.D.data(), w.rows) != p.size())
-    w.rows.dropped.clear();  // not finite
+    w.rows.dropped.clear();  // J is not finite: no factor
   if (w.rows.dropped.empty()) return false;
   w.rows.turned.assign(p.size(), 0);  // a small row may depend on larger, later rows
   for (int k : w.rows.dropped) w.rows.turned[k] = 1;
@@ -148,7 +148,7 @@ double drift(const Scene& scene, const Workspace& work, const IslandWork& d, con
   return std::max(most, tolerance::kRank * w.lever);
 }
 
-double error_of_entry(const Work& w, int row, int coordinate) {  // error of an entry of J, relative to t
+double error_of_entry(const Work& w, int row, int coordinate) {  // error of an entry of J, divided by w.tolerance
   return w.row[row] < 3 && w.turns[coordinate] ? 1 : 1 / w.lever;
 }
 
@@ -306,7 +306,7 @@ double WithinTolerance::make_dependent(const Scene& scene, Workspace& work, cons
     const auto j = std::find(columns.begin(), columns.end(), change.column) - columns.begin();
     work.contacts[d.island.contacts[w.contact[change.row]]].J(w.row[change.row], j) += change.value;
   }
-  double largest = 0;  // sum |n_j|
+  double largest = 0;  // the largest sum_j |n_j| of a column n of N
   for (std::size_t n = 0; n + 1 < w.rows.Np.size(); ++n)
     largest = std::max(largest, std::accumulate(w.rows.Nx.begin() + w.rows.Np[n], w.rows.Nx.begin() + w.rows.Np[n + 1],
                                                 0.0, [](double sum, double x) { return sum + std::abs(x); }));

@@ -21,7 +21,8 @@ class WithinTolerance {
   WithinTolerance();
   ~WithinTolerance();
   /// Changes J of the evaluated contacts so that rows become dependent that are so within Scene::tolerance, or were at
-  /// the start of a motion. Returns the rows' largest inconsistency relative to their terms; 0 if J is unchanged.
+  /// the start of a motion. Returns the largest inconsistency of these rows that the change may cause,
+  /// relative to the rows' terms; 0 if J is unchanged.
   double make_dependent(const Scene& scene, Workspace& work, const IslandWork& d);
   std::span<const RowChange> changes() const;
   double inaccuracy(int coordinate) const;  // the error assumed for J's entries at this coordinate, in rows in m
