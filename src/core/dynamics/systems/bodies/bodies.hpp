@@ -54,7 +54,7 @@ class BodiesSystem final : public IslandSystem {
   std::vector<Shape> shapes;
   std::vector<HeldBody> held;          // one per cut: the constrained body
   std::vector<Vec6<double>> reaction;  // one per cut: force of the subtree below on the constrained body
-  // the whole system
+  // the whole island's system, not by subtrees
   std::uint64_t state = 0;  // the state (Workspace::state) of `factor` and `solution`
   bool sound = false;       // whether `factor` and `solution` can be used
   BodyFactor factor;
@@ -72,19 +72,21 @@ namespace internal {
 struct BodyAnswer {  // values for the report of an island: worst or largest over all subtrees solved
   sparse::Refinement refinement;
   int nonzeros = 0;
-  double r[2] = {0, 0}, scale[2] = {0, 0};  // the largest: dynamics rows, contact rows
+  double r[2] = {0, 0}, scale[2] = {0, 0};  // largest residual, terms: [0] dynamics, [1] contact rows
   void add(int factor_nonzeros, const BodyResidual& left, const sparse::Refinement& refinement);
 };
 
 /// Solves subtree by subtree. Returns false if the island is one subtree, or if a subtree has no sound solution.
 bool solve_by_subtrees(const Scene& scene, SceneData& data, BodiesSystem& system, BodyAnswer& answer);
 
-/// Evaluate one body (as node `at`, coordinates from `dof` on) or one contact (as rows from `first` on).
+/// Evaluate the equations of one body (node `at` of `system`, with coordinates from `dof` on) or of one contact (rows
+/// of `system` from `first` on).
 void evaluate_node(const Scene& scene, const SceneData& data, BodiesSystem& bodies, std::size_t robot, int joint,
                    int at, int dof, BodySystem& system, BodyVectors& b);
 void evaluate_rows(const Scene& scene, const SceneData& data, const BodiesSystem& bodies, std::size_t contact,
                    int first, BodySystem& system, BodyVectors& b);
-/// Sets the placements of bases and marks joint-space terms as not evaluated. Call it before the first evaluate_node.
+/// Sets the placements of the robots' bases and marks their joint-space terms as not evaluated. Call it before the
+/// first evaluate_node.
 void begin_evaluation(const Scene& scene, const SceneData& data, BodiesSystem& bodies);
 /// Computes solve.x with refinement, once all nodes and rows are evaluated. Returns kNone if solve.x is sound.
 Reason factorize_and_solve(const BodySystem& system, BodyLdl& ldl, BodyDependence& work, BodySolve& solve,

@@ -66,7 +66,8 @@ std::vector<double> uncertainty(const Scene& scene, SceneData& data, const Bodie
   return w;
 }
 
-// Estimates the largest |A^-1| w of joints, or of contact rows (of_rows), by the 1-norm of columns of diag(w) A^-T.
+// Estimates the largest entry of |A^-1| w, among accelerations of joints or (of_rows) contact forces, by the 1-norm of
+// their columns of diag(w) A^-T.
 double bound(BodiesSystem& form, const std::vector<double>& w, bool of_rows) {
   const BodySystem& s = form.factor.system;
   const BodyPattern& p = *s.pattern;

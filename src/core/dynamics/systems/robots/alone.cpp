@@ -122,7 +122,8 @@ void each_in_lanes(const Scene& scene, Workspace& w, double of_solve, GroupOf&& 
 // Returns the group whose SIMD batch solved the island and may differentiate it; nullptr if there is none.
 BlockGroup* group_of_answer(const IslandWork& d) { return d.served_in_lanes() ? d.alone.group : nullptr; }
 
-// Solves unsolved single-robot islands with fits(group, island) in SIMD batches. kernels: the kernels of each group.
+// Solves those unsolved single-robot islands for which fits(group, island) is true, in SIMD batches. kernels: member of
+// BlockGroup whose kernels solve.
 template <class Kernel, class Fits>
 void solve_in_batches(const lanes::Job& job, SceneData& data, int width, Precision precision,
                       std::vector<lanes::OneOrBatch<Kernel>> BlockGroup::*kernels, Fits&& fits) {
@@ -156,7 +157,7 @@ void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start) 
   if (w.options.precision == Precision::kSingle)
     solve_in_batches(job, data, batch_width(w), Precision::kSingle, &BlockGroup::single,
                      [&](const BlockGroup& group, const IslandWork& d) {
-                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // surely
+                       const bool dependent = scene.damping == 0 && d.island.nc > d.island.nv;  // rows surely depend
                        return !group.single.empty() && !dependent;
                      });
   solve_in_batches(job, data, w.lanes.level->robots.width, Precision::kDouble, &BlockGroup::kernels,

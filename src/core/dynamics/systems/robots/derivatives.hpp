@@ -1,5 +1,6 @@
 #pragma once
-// Computes derivatives of an island robot by robot with the factors of its solve; interface.hpp defines K_r and G_r.
+// Computes derivatives of an island robot by robot with the factors of its solve. K_r is the block of robot r and the
+// contacts on it alone; G_r are the entries of coupling contacts at its velocities (interface.hpp).
 // With T_r = K_r^-1 G_r^T and S = sum_r G_r T_r + delta I, the solution of K X = B is
 //
 //     S Y = sum_r G_r K_r^-1 B_r - B_joining,    X_r = K_r^-1 B_r - T_r Y,    X_joining = Y.
@@ -31,7 +32,7 @@ struct RobotsDerivatives {
     int nv = 0;
     std::vector<int> row, join;  // the island's row of each row of K_r and of G_r; constant
     std::vector<double> ends;    // one MovingEnd per coupling contact, later EndForce in its place (lanes/block.hpp)
-    // set for the request
+    // set for the requested derivatives
     int q_first = 0, v_first = 0, u_first = 0, own = 0;  // first columns in P for q, v, u; number of own columns
     std::vector<Columns> columns;                        // columns where B_r is not zero
     std::vector<Columns> sampled;                        // sampled columns where B_r is not zero; in_X: in Sample::X
@@ -43,7 +44,7 @@ struct RobotsDerivatives {
     std::vector<double> T;     // T_r^T, one padded row per row of G_r; entries of force rows of T_r have opposite sign
     std::vector<double> B;     // sampled columns of B_r, one after the other
     std::vector<double> x;     // scratch: one column of X_r, and as many zeros
-    std::vector<double> left;  // -G_r x and |G_r| |x| of each sampled column
+    std::vector<double> left;  // -G_r x and |G_r| |x|, x each sampled column of X_r
     double error = 0;          // largest backward error of the sampled columns in the rows of K_r
 
     int size() const { return static_cast<int>(row.size()); }
@@ -52,20 +53,20 @@ struct RobotsDerivatives {
   std::vector<OfRobot> robots;
 
   std::optional<DerivativeRequest> request;  // the request for which the members are allocated
-  bool cheaper[2] = {};  // whether cheaper than derivatives by K: [0] of full row rank, [1] with dependent rows
+  bool cheaper[2] = {};  // whether cheaper than derivatives by K: [0] J has full row rank, [1] dependent rows
   bool has_room = false;
 
   std::vector<double> terms;    // lanes::JoinTerms of the coupling contacts
   std::vector<std::size_t> at;  // one entry per coupling contact: its offset in `terms`
   std::vector<int> eliminated;  // one entry per interface row, in the order of S: the island's row
-  std::vector<double> D;        // D of the factor of S
+  std::vector<double> D;        // the diagonal D of S = L D L^T
   struct Sample {               // columns of the panel whose backward error is computed
     std::vector<int> column;    // numbers of the sampled columns in the island's panel
     AlignedPanel X;             // the solutions, one column per entry of `column`
     std::vector<double> b;    // right-hand sides of the interface rows, column after column
     double robots_error = 0;  // largest backward error in the robots' rows, the only ones that refinement improves
   } sample;
-  struct Buffers {              // memory of a thread
+  struct Buffers {              // scratch memory of a thread
     std::vector<double> work;   // scratch of a solve with S
     std::vector<char> nonzero;  // one flag per row of S
     std::vector<double> E, ED;  // K_r^-1 E_r of a contact, transposed; K_r^-1 E_r D_r
@@ -78,7 +79,8 @@ struct RobotsDerivatives {
 namespace manycontact::internal {
 
 /// Calls step(kernel, robots, their memory, thread's memory) for each SIMD batch. Each call of each_batch reverses the
-/// order, as the last batches are still in cache; a thread always has the same batches. of_solve: work, in solves.
+/// order, as the last batches are still in cache; a thread always has the same batches. of_solve: work of a
+/// step relative to a solve.
 template <class Step>
 void each_batch(Workspace& w, RobotsSystem& system, double of_solve, Step&& step) {
   system.back = !system.back;

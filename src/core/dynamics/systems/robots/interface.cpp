@@ -13,7 +13,7 @@ namespace {
 
 // Lists each contact with its robot, or with the two robots that the contact couples.
 void share_out(const Scene& scene, const Island& island, Interface& j) {
-  std::vector<int> first(island.contacts.size());  // interface row of a contact
+  std::vector<int> first(island.contacts.size());  // each contact's first interface row
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {
     const Contact& contact = scene.contacts[island.contacts[c]];
     const int number = static_cast<int>(c);
@@ -84,7 +84,7 @@ sparse::LdlCounts least_interface_counts(const IslandShape& shape) {
   double most = 0;
   for (double rows : of_robot) least.nonzeros += pairs(rows), most = std::max(most, rows);
   for (const auto& [robots, rows] : of_two) least.nonzeros -= pairs(rows);
-  for (double below = most - 1; below > 0; --below) least.flops += below * (below + 2);  // the densest robot
+  for (double below = most - 1; below > 0; --below) least.flops += below * (below + 2);  // the robot with most rows
   return least;
 }
 

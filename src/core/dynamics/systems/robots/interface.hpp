@@ -35,7 +35,8 @@ struct Interface {  // constant data of the interface rows, for islands of one s
   int rows() const { return static_cast<int>(row.size()); }
 };
 
-/// Returns lower bounds, for any order, of entries and flops of S's factor. S has a full block for each robot's rows.
+/// Returns lower bounds, for any elimination order, of entries and flops of S's factor. S has a full block for the
+/// interface rows of each robot.
 sparse::LdlCounts least_interface_counts(const IslandShape& shape);
 
 inline bool joins_two(const Contact& contact) { return joins_robots(contact) && contact.A.robot != contact.B.robot; }

@@ -215,9 +215,10 @@ std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d, Order ord
   return out;
 }
 
-// Uses the chosen order. Replaces contacts-early by leaf-to-root if this is predicted cheaper than factorizing K, too:
-// entries of factors then grow less, so that derivatives robot by robot are accurate, in a quarter of the time of those
-// by K. For hubs, i.e. robots coupled by more rows than they have coordinates, this does not pay.
+// Plans the robots in the chosen elimination order. Replaces contacts-early by leaf-to-root if this is predicted
+// cheaper than factorizing K, too: entries of factors then grow less, so that derivatives robot by robot are accurate,
+// in a quarter of the time of those by K. For hubs, i.e. robots coupled by more rows than they have coordinates, this
+// does not pay.
 std::unique_ptr<RobotsSystem> join_robots(Workspace& w, IslandWork& d) {
   std::unique_ptr<RobotsSystem> robots = join_robots(w, d, d.choice.order);
   if (!robots || !robots->solves || d.choice.order != Order::kContactsEarly) return robots;

@@ -186,15 +186,16 @@ Largest largest_of(const RobotsSystem& s) {
   return out;
 }
 
-// Returns interface rows' componentwise backward error; rows tiny relative to the island's largest are judged by it.
+// Returns the componentwise backward error of the interface rows. The residual of a row with tiny terms is judged
+// relative to the island's largest terms.
 double largest_interface_error(const RobotsSystem& s) {
   double largest = 0;
   for (const Member& m : s.members) largest = std::max({largest, m.scale[0], m.scale[1]});
   return sparse::componentwise_backward_error(s.r, s.scale, largest);
 }
 
-// Returns the componentwise backward error (sparse/refine.hpp), or NaN. Rows tiny relative to their robot's largest row
-// (interface rows: the island's) are judged by it, as at rest their terms are only rounding errors.
+// Returns the componentwise backward error (sparse/refine.hpp), or NaN. A row with tiny terms is judged relative to
+// the largest terms of its robot (an interface row: of the island), as at rest its terms are only rounding errors.
 double backward_error_of(const RobotsSystem& s) {
   double error = largest_interface_error(s);
   for (const Member& m : s.members) error = sparse::larger_or_nan(error, m.error);

@@ -23,7 +23,7 @@ struct SceneData;
 struct Workspace;
 struct IslandReport;
 
-struct BlockGroup {  // robots that share a BlockPlan; kept without robots for later contact sets
+struct BlockGroup {  // robots that share a BlockPlan; a group without robots is kept for later contact sets
   std::shared_ptr<const lanes::BlockPlan> plan;
   std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
   std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // single precision; empty unless options request it
@@ -44,7 +44,7 @@ struct InterfaceContactGroup {  // contacts that couple two robots, and differ o
 /// SIMD batches of robots, set up by prepare.
 struct InLanes {
   const simd::Level* level = nullptr;  // instruction level; nullptr: no SIMD batches
-  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys: group_of in plan.cpp
+  std::map<std::pair<const ModelStructure*, std::vector<int>>, BlockGroup> groups;  // keys are made by group_of
   std::map<InterfaceContactGroup::Key, InterfaceContactGroup> contacts;
   // scratch of solve_alone and differentiate_alone: the islands and robots of the call, batch after batch
   struct Batch {
@@ -75,7 +75,7 @@ class RobotsSystem final : public IslandSystem {  // solves an island of several
   bool vjp(const Scene&, SceneData&, ThreadWork&, const AdjointProduct&) override;
   bool invert(const Scene&, SceneData&, ThreadWork&, ProductWork&) override;
 
-  bool factorize(const Scene& scene, SceneData& data);  // K_r, factors of K_r and S, b; false if a pivot is not sound
+  bool factorize(const Scene& scene, SceneData& data);  // computes b, K_r, S, factors; false if a pivot is unsound
   bool rows_depend() const;                             // whether `factorize` found dependent rows in any robot's K_r
   double growth() const;  // growth of K's entries in the factors of all K_r and S (Factor::growth)
 
@@ -92,12 +92,12 @@ class RobotsSystem final : public IslandSystem {  // solves an island of several
   };
   struct Coupling {  // a contact that couples robots
     InterfaceContactGroup* group;
-    int contact;           // number in the scene
-    int number;            // number in the island
+    int contact;           // the contact's number in the scene
+    int number;            // the contact's number in the island
     int row, rows;         // the contact's first interface row, and its number of rows
     int A, B;              // the coupled robots' numbers in the island
     int among_A, among_B;  // the contact's index in the coupling contacts of robots A and B
-    double smallest_row, motion;  // results of lanes::InterfaceContacts::evaluate
+    double smallest_row, motion;  // size of the smallest row of J; motion scale of the contact's rows
   };
   struct OfRobot {
     BlockGroup* group;
@@ -125,9 +125,9 @@ class RobotsSystem final : public IslandSystem {  // solves an island of several
   std::uint64_t state = 0;                         // state of the batches and their factors; 0: not sound
   double first_error = 0;                          // backward error of the solution before refinement
   bool back = false;                               // whether the last each_batch visited the batches from last to first
-  sparse::LargeMemory memory;                      // numbers of the batches and their robots
+  sparse::LargeMemory memory;                      // numbers of the batches: K, its factors, vectors
   std::vector<double> Sx, L, D, terms;             // -S, its factor, magnitudes of pivot terms; in elimination order
-  std::vector<double> b, y, r, scale, step;        // vectors of the interface rows
+  std::vector<double> b, y, r, scale, step;        // right-hand side, solution etc. of interface rows
   std::unique_ptr<RobotsDerivatives> derivatives;  // constructed when first needed
 };
 
@@ -136,18 +136,20 @@ namespace internal {
 /// Returns the predicted cost of a SIMD batch of `count` robots, relative to that of one robot.
 inline double together(std::size_t count) { return count > 1 ? 1 + costs::kTogether * static_cast<double>(count) : 1; }
 
-/// Prepares an island of a new shape for SIMD batches: sets `alone.group` (one robot), or `robots` if cheaper than K.
+/// Prepares an island of a new shape for SIMD batches: sets `alone.group` if it has one robot, otherwise
+/// `robots` if solving robot by robot is predicted cheaper than factorizing K.
 void plan_robots(const Scene& scene, Workspace& work, IslandWork& island);
 /// Assigns the island's robots and contacts to the plan of its shape. Does not allocate for a contact set used before.
 void bind_robots(const Scene& scene, Workspace& work, IslandWork& island);
 void group_robots_alone(Workspace& work);    // groups the current single-robot islands into SIMD batches
 void forget_unused_groups(Workspace& work);  // frees groups that no current or pooled island uses
-void make_robots(const Scene& scene, Workspace& work, IslandWork& island);  // constructs island.robots, if joinable
+/// Constructs island.robots if the island may be solved robot by robot (IslandWork::joinable).
+void make_robots(const Scene& scene, Workspace& work, IslandWork& island);
 
 /// Solves all unsolved single-robot islands in SIMD batches at w.q, data.v, data.tau, first in single precision if
 /// options request it. start: start of a simulation step, if any; data.tau then excludes the step's forces.
 void solve_alone(const Scene& scene, SceneData& data, const StartOfStep* start = nullptr);
-bool stand_alone(const Scene& scene, const Workspace& w);  // batches of doubles solve all islands, of one robot each
+bool stand_alone(const Scene& scene, const Workspace& w);  // whether batches of doubles solve all islands (lone robots)
 int batch_width(const Workspace& w);  // the most single robots, or states, in a SIMD batch; 1 without batches
 /// Sets the status, reason, rank and dependent_rows of a report from the dependent rows of the island's J.
 void report_dependent_rows(const Scene& scene, const SceneData& data, IslandWork& island, std::span<const int> rows,
