@@ -13,7 +13,7 @@
 namespace manycontact::lanes {
 
 template <class Kernel, class Work, class... Arguments>
-std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {  // one item per element of Work's packs
+std::unique_ptr<Kernel> make_kernel(Arguments... arguments) {  // a kernel for one item per element of Work's packs
   return std::make_unique<Work>(arguments...);
 }
 
@@ -90,7 +90,8 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads PairNumbers of items' contacts, unless all have `common`: those that all elements of `to` share, or nullptr.
+/// Loads the second placements (pair_B) of items' contacts that have Contact::pair, and their PairNumbers unless all
+/// are `common`: the PairNumbers that all elements of `to` share, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];

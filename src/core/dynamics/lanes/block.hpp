@@ -10,7 +10,7 @@
 namespace manycontact::lanes {
 
 /// An array for the body of a coupling contact on one robot: the origin of the body's tree frame in the world; the
-/// body's oMi, v, a; and the columns of J that move the body.
+/// body's placement oMi, velocity v and acceleration a; and the motion columns of the coordinates that move the body.
 struct JoinedEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 6 * coordinates; }
 };
@@ -18,8 +18,8 @@ struct JoinedEnd {
 struct MovingEnd {
   static std::size_t size(std::size_t coordinates) { return 30 + 24 * coordinates; }
 };
-/// EndForce, which overwrites a MovingEnd: the contact's force on the body, in the tree frame; the columns of J_l; D_A
-/// or D_B of the robot's own coordinates (JoinTerms), row-major.
+/// EndForce, an array that overwrites a MovingEnd: the contact's force on the body, in the tree frame; the robot's
+/// columns of ContactData::Jl; the columns of JoinTerms' D_A or D_B for the robot's own coordinates, row-major.
 
 /// A contact's frame that is fixed to the world or to a robot's base: `frame` is relative to `origin`, in world axes.
 /// The origin is that of the contact's frame in the world, or that of the base.
@@ -38,7 +38,7 @@ struct BlockPlan {  // constant data shared by robots of one structure with cont
   Scene scene;  // one such robot and its contacts: first the contacts on it alone, then the coupling contacts
   Island island;
   int alone = 0;                              // number of contacts on the robot alone
-  std::shared_ptr<const KktPattern> pattern;  // pattern of all rows
+  std::shared_ptr<const KktPattern> pattern;  // pattern of K and the border
   std::shared_ptr<const KktPattern> inner;    // pattern of K_r, without the border, in the order of `pattern`
   sparse::LdlSchedule bordered;               // schedule of all columns except the border's; empty without a border
   std::vector<ContactSupport> supports;

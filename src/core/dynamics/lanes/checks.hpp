@@ -120,7 +120,7 @@ struct Largest {  // largest residual of a set of rows, and largest magnitude of
   Largest(S least_scale, std::span<const int> rows, const S* residual, const S* size)
       : Largest(
             least_scale, rows.size(), [&](std::size_t k) { return rows[k]; }, residual, size) {}
-  /// The set is the first `count` rows.
+  /// Takes the set of the first `count` rows. least_scale: lower limit of `scale`.
   Largest(S least_scale, std::size_t count, const S* residual, const S* size)
       : Largest(
             least_scale, count, [](std::size_t k) { return k; }, residual, size) {}

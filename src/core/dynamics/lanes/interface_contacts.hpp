@@ -74,7 +74,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
  private:
   struct End {  // one of the coupled robots: terms for the contact's rows, and the contact's frame on its body
     Kinematics<S> kin;
-    std::vector<std::pair<int, int>> stretches;  // ranges [begin, end) of coordinates
+    std::vector<std::pair<int, int>> stretches;  // ranges [begin, end) of coordinates that move the body
     SE3<S> on_body;
     RneaDerivativesOf<S> rnea;  // used for Psid, Psidd, Sv only
 
@@ -86,7 +86,8 @@ class InterfaceContactsOf final : public InterfaceContacts {
     }
     std::array<Mat6X<S>*, 1> joined() { return {&kin.J}; }
     std::array<Mat6X<S>*, 4> moving() { return {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv}; }
-    // Loads the ends of all contacts on this side. columns: destinations of the columns in JoinedEnd or MovingEnd.
+    // Loads the ends of all contacts on this side. columns: matrices to which columns of JoinedEnd or
+    // MovingEnd are copied.
     template <class Row, class Of>
     void load(std::span<Row> rows, int joint, std::span<Mat6X<S>* const> columns, Of&& end) {
       const double* from[8];

@@ -18,28 +18,29 @@
 
 namespace manycontact::lanes {
 
-struct Job {  // inputs and outputs of a solve in the scene's coordinates; serial: number of the solution
+struct Job {  // inputs and outputs of a solve in the scene's coordinates; serial: identifies the solution
   const Scene& scene;
   std::uint64_t serial;
   const double *q, *v, *tau;
   const std::vector<int>& f_offset;               // one entry per contact
-  const double* prescribed;                       // prescribed accelerations of constraint rows, as f; nullptr: 0
+  const double* prescribed;                       // prescribed accelerations of contact rows, in f's order; nullptr: 0
   double *a, *f;                                  // written for robots whose solution is sound
-  const std::vector<int>* left_offset = nullptr;  // one offset in `left` per contact; used for pairs
-  double* left = nullptr;                         // output: ContactData::left of pairs on single robots
-  const StartOfStep* start = nullptr;             // start of a step of single-robot islands; v is zero then
+  const std::vector<int>* left_offset = nullptr;  // one offset in `left` per contact; for Contact::pair
+  double* left = nullptr;                         // output for contacts with Contact::pair on single robots: their left
+  const StartOfStep* start = nullptr;             // start of a simulation step (single-robot islands); v is zero then
 };
 
 struct Sampled {  // a column of right-hand sides that is copied to b, to check its solution
   int column;
   double* b;
 };
-/// Derivatives K_r^-1 [E, B_r] of one robot, with f instead of -f; of a single-robot island IslandDerivatives::X.
+/// Derivatives of one robot, with forces f instead of -f: IslandDerivatives::X of a single-robot island, or
+/// K_r^-1 [E, B_r] of a coupled robot (systems/robots/derivatives.hpp).
 struct Panel {
   double* X;
   int ld;                            // leading dimension of X, a multiple of 8
   bool refine;                       // whether to refine once, unless the factor bounds the error of every column
-  std::span<const Sampled> sampled;  // used for coupled robots
+  std::span<const Sampled> sampled;  // columns that are copied to check solutions; for coupled robots
 };
 struct Solution {  // the solution at which derivatives are computed, in the scene's coordinates
   const Scene& scene;
@@ -79,9 +80,9 @@ class RobotBlocks {  // steps of a solve for robots of one plan: one robot, or a
     int number;           // number of the robot in the scene
     const int* contacts;  // contacts on the robot alone, as numbered in the scene
     // Members that only coupled robots use.
-    double* joins = nullptr;  // one JoinedEnd per coupling contact, then the robot's columns of J; until `factor`
+    double* joins = nullptr;  // one JoinedEnd per coupling contact; overwritten by J's columns, lost in `factor`
     double* ends = nullptr;   // one MovingEnd per coupling contact, later EndForce in its place
-    const double *x = nullptr, *b = nullptr;  // inputs of `check`, in the order of the plan's island
+    const double *x = nullptr, *b = nullptr;  // solution, right-hand side for `check`, in the plan island's order
     Border border = {};
     // Results; each comment names the steps (functions below) that set the member.
     bool sound = false;                              // false: another system must solve

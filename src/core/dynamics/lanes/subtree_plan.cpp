@@ -5,7 +5,7 @@ namespace manycontact::lanes {
 
 namespace {
 
-// Calls use(coordinate) for the coordinates of `node` and its ancestors below `end`.
+// Calls use(coordinate) for the coordinates of `node` and of its ancestors up to `end`, without those of `end`.
 template <class Use>
 void each_coordinate_up(const BodyPattern& p, int node, int end, Use&& use) {
   for (; node != end; node = p.parent[node])

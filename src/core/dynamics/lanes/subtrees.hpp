@@ -14,7 +14,7 @@ struct SubtreePlan {  // constant data of subtrees of one shape
   explicit SubtreePlan(std::shared_ptr<const BodyPattern> pattern);
 
   std::shared_ptr<const BodyPattern> pattern;
-  sparse::UpperCsc K;  // order: coordinates from the last to the first, then rows
+  sparse::UpperCsc K;  // pattern of K; coordinates from the last to the first, then contact rows
   sparse::LdlSchedule schedule;
   /// Slots in K, in order of assembly. M_slot: per coordinate k, from the last node to the first, the entries (k, j), j
   /// of k's node up to k, then of ancestors. J_slot: per row, coordinates from A up to `meeting`, then from B.

@@ -27,7 +27,8 @@ void RobotBlock<S>::solve(const Job& job, Robots robots, std::span<Answer> answe
   if constexpr (!kSingle) report_dependence(robots, answers);
 }
 
-/// Computes L and D. Returns the elements where each row has a sound pivot, joins the kept rows, or depends on them.
+/// Computes the factors L and D of K. Returns the usable elements (robots) in which each row has a sound pivot, or is a
+/// row of J that joins the kept rows (joining_rows.hpp) or depends on them.
 template <class S>
 typename S::Mask RobotBlock<S>::factorize(Mask usable, Prefetch prefetch) {
   waiting_.clear();
@@ -80,7 +81,8 @@ void RobotBlock<S>::apply_inverse(S* x) {
   waiting_.project_out(x);
 }
 
-/// Sets x += K^-1 r in open elements. Returns the elements where no entry x_k changes by more than kSameSize |x_k|.
+/// Sets x += K^-1 r in elements (robots) flagged in `open`. Returns the elements where no
+/// entry x_k changes by more than kSameSize |x_k|.
 template <class S>
 typename S::Mask RobotBlock<S>::correct(Mask open) {
   std::copy_n(r_.data(), rows_, n_.w);
@@ -101,7 +103,7 @@ S RobotBlock<S>::residual() {  // r = b - K x, scale = |b| + |K| |x|; returns th
 }
 
 template <class S>
-S RobotBlock<S>::backward_error() {  // componentwise, of r, or NaN (Factor::backward_error)
+S RobotBlock<S>::backward_error() {  // componentwise backward error of residual r, or NaN
   const std::span<const S> r(r_.data(), static_cast<std::size_t>(rows_));
   if (!rows_wait()) return componentwise_error<S>(r, scale_.data());
   waiting_.scale_of_dependent(scale_.data(), n_.w);

@@ -1,6 +1,7 @@
 #pragma once
-// RobotBlock: derivatives K^-1 B of single-robot islands, B = -dr/d(q, v, u). For coupled robots K_r^-1 [E, B_r], with
-// B_r for the robot alone, and unit forces E on the bodies of coupling contacts (systems/robots/derivatives.hpp).
+// RobotBlock: derivatives K^-1 B of single-robot islands, B = -dr/d(q, v, u). r is the residual of the equations of
+// motion and of contact rows. For coupled robots K_r^-1 [E, B_r], with B_r for the robot alone, and unit forces E on
+// the bodies of coupling contacts (systems/robots/derivatives.hpp).
 
 #include <functional>
 #include <numeric>
@@ -25,7 +26,7 @@ void RobotBlock<S>::differentiate(const DerivativeJob& job, Robots robots, doubl
         sample.b[i] = place < 0 ? 0 : B_[place][static_cast<int>(l)];
       }
   const S* L = inner_L();
-  S refined(0), projected(1);  // flags; surplus elements count as projected
+  S refined(0), projected(1);  // flags: to refine; with redundant rows (so flagged: surplus elements)
   for (std::size_t l = 0; l < panels.size(); ++l) {
     const int lane = static_cast<int>(l);
     projected.set(lane, rows_wait() && waiting_.elements()[lane]);
@@ -130,7 +131,7 @@ void RobotBlock<S>::find_reach(const DerivativeJob& job) {
 /// similar nonzero rows. Allocates B and X. reach: flags each part's nonzero rows, in the pattern's order.
 template <class S>
 auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld) -> std::vector<Chunk> {
-  constexpr std::size_t kBand = 1 << 19;  // bytes
+  constexpr std::size_t kBand = 1 << 19;  // bytes of a band's solutions
   constexpr int kWhole = std::lcm(8, kColumns);
   const std::size_t size = static_cast<std::size_t>(rows_);
   const int parts = ld / kPart,
@@ -247,7 +248,8 @@ const S* RobotBlock<S>::inner_L() {  // L without the border's rows, the last en
   return inner_L_.data();
 }
 
-/// Writes [da; df], from K^-1 B = [da; -df], into the panels of the elements `of`. waiting: redundant rows, or nullptr.
+/// Writes [da; df], from K^-1 B = [da; -df], into the panels of the elements `of`. waiting: the redundant rows;
+/// nullptr: none.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {
@@ -274,7 +276,7 @@ void RobotBlock<S>::write(const Band& band, std::span<const Panel> panels, Mask 
   std::ptrdiff_t ld[W] = {};
   for (std::size_t l = 0; l < panels.size(); ++l)
     if (of[static_cast<int>(l)]) to[l] = panels[l].X, ld[l] = panels[l].ld;
-  for (int i = 0; i < rows_; ++i) {  // `to` is at row i
+  for (int i = 0; i < rows_; ++i) {  // to[l]: row i of robot l's panel
     const int k = inner_.iperm[i];
     const double sign = i < model_->nv ? 1 : -1;
     if constexpr (W == 1) {

@@ -111,7 +111,7 @@ void RobotBlock<S>::begin(Robots robots) {  // sets x = 0 and r = b, without the
 }
 
 template <class S>
-void RobotBlock<S>::forward(Robots robots, Mask open) {  // w = L^-1 r and its part of the border; both zero unless open
+void RobotBlock<S>::forward(Robots robots, Mask open) {  // w = L^-1 r, and the border's b; zero unless `open`
   for (int k = 0; k < rows_; ++k) n_.w[k] = select(open, r_[k], S(0));
   std::fill_n(n_.w + rows_, plan_->border(), S(0));
   if (open.any()) sparse::ldl_scheduled_forward(schedule_, as_scalar(n_.L), as_scalar(n_.w));

@@ -149,7 +149,7 @@ void RobotBlock<S>::vjp(const ProductJob& job, Robots robots) {
   for (std::size_t l = 0; l < robots.size(); ++l) {
     const auto& robot = scene.robots[robots[l].number];
     const int lane = static_cast<int>(l);
-    for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // w = -(dr)^T l
+    for (int i = 0; i < nv; ++i) job.out[0][robot.idx_v + i] = -dq_[i][lane];  // wq = -(dr/dq)^T l
     for (int i = 0; i < nv; ++i) job.out[1][robot.idx_v + i] = -dv_[i][lane];
     for (int i = 0; i < nv; ++i) job.out[2][robot.idx_v + i] = torque_[i][lane];
   }

@@ -189,8 +189,9 @@ class RobotBlock final
   void find_reach(const DerivativeJob& job);
   std::vector<Chunk> form_chunks(std::span<const std::vector<char>> reach, int ld);
   void right_sides(const DerivativeJob& job, Robots robots);
+  /// torques: the number of torque columns. torque: the coordinate on which the i-th of these torques acts.
   int torques(const DerivativeJob& job) const { return job.request.tau ? model_->nv : model_->nu(); }
-  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }  // the row
+  int torque(const DerivativeJob& job, int i) const { return job.request.tau ? i : model_->actuated[i]; }
   const S* inner_L();
   Mask accurate_unrefined(const S* L);
   void solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
@@ -238,7 +239,7 @@ class RobotBlock final
   std::shared_ptr<const Model> model_;
   const KktPattern &pattern_, &inner_;
   const sparse::LdlSchedule &schedule_, &inner_schedule_;
-  int rows_;  // eliminated rows
+  int rows_;  // number of eliminated rows, i.e. of K without the border
 
   VecX<S> q_, v_, tau_;
   SE3<S> base_;
@@ -261,12 +262,12 @@ class RobotBlock final
   bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; if not, another system must solve
 
   Numbers n_;
-  std::vector<S> own_;  // memory of single-robot islands
+  std::vector<S> own_;  // memory of K, its factors and vectors in single-robot islands
   std::vector<S> pivot_terms_, r_, scale_;
   WaitingRows<S> waiting_;
   S steps_, backward_error_, first_error_;
   std::uint64_t serial_ = 0;  // Solution::serial of the current kinematics, M, K, L, D; 0: none
-  std::array<int, W> kept_;   // numbers of the robots of this solution
+  std::array<int, W> kept_;   // numbers in the scene of that solution's robots
   std::size_t kept_count_ = 0;
 
   std::vector<S> joins_, border_;
@@ -274,7 +275,7 @@ class RobotBlock final
 
   // derivatives
   VecX<S> a_;
-  std::vector<VecX<S>> contact_f_, contact_scratch_;  // rows of each contact
+  std::vector<VecX<S>> contact_f_, contact_scratch_;  // forces of each contact; scratch
   std::vector<Vec6<S>> fext_;
   std::conditional_t<kSingle, Without, RneaDerivativesOf<S>> rnea_;
   std::vector<ContactDerivativesOf<S>> contact_terms_;
@@ -284,7 +285,7 @@ class RobotBlock final
   std::vector<Chunk> chunks_;
   std::vector<Band> bands_;
   std::vector<char> reach_, reached_;  // flags per chunk and row of K: B, and L^-1 B, may be nonzero
-  std::vector<char> nonzero_;  // one flag per row of K
+  std::vector<char> nonzero_;  // scratch: whether each row of K may be nonzero
   std::vector<S> B_;           // right-hand sides, chunk by chunk: rows that may be nonzero, in the pattern's order
   std::vector<int> place_;     // place of each entry of the panel in B_; -1: zero
   std::vector<int> unset_;     // entries of B_ to set to zero before contact terms are added

@@ -10,7 +10,7 @@ namespace manycontact::lanes {
 template <class S>
 template <class Job>
 void RobotBlock<S>::load_state(const Job& job, Robots robots) {
-  serial_ = 0;  // the terms that `keep` marked are overwritten below
+  serial_ = 0;  // the terms of the last solution are overwritten below
   if constexpr (kSingle)
     load_near(job, robots);
   else

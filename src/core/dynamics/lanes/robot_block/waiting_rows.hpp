@@ -355,7 +355,8 @@ S WaitingRows<S>::residual(int c, const S* K) {
   return select(largest > S(0), largest / size, sum);
 }
 
-/// Corrects z of column c in open elements by K1^-1 times the residual left_. Small pivots make null_column inaccurate.
+/// Corrects z of column c of N, in elements flagged in `open`, by K1^-1 times the residual left_ = J^T n. This is
+/// needed because small pivots make null_column inaccurate.
 template <class S>
 template <class Solve>
 void WaitingRows<S>::refine_column(int c, Mask open, Solve&& solve) {
