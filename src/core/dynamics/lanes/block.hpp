@@ -40,7 +40,7 @@ struct BlockPlan {  // constant data shared by robots of one structure with cont
   int alone = 0;                              // number of contacts on the robot alone
   std::shared_ptr<const KktPattern> pattern;  // pattern of K and the border
   std::shared_ptr<const KktPattern> inner;    // pattern of K_r, without the border, in the order of `pattern`
-  sparse::LdlSchedule bordered;               // schedule of all columns except the border's; empty without a border
+  sparse::LdlSchedule bordered;               // elimination of all columns but the border's; empty without a border
   std::vector<ContactSupport> supports;
 
   const std::shared_ptr<const Model>& model() const { return scene.robots.front().model; }
@@ -49,7 +49,7 @@ struct BlockPlan {  // constant data shared by robots of one structure with cont
 
   std::size_t joins() const { return supports.size() - static_cast<std::size_t>(alone); }
   template <class End>
-  std::size_t size_of_ends(std::size_t count) const {  // the first `count` ends
+  std::size_t size_of_ends(std::size_t count) const {  // numbers in the first `count` ends
     std::size_t size = 0;
     for (std::size_t k = 0; k < count; ++k) size += End::size(supports[alone + k].a.size());
     return size;
@@ -71,7 +71,7 @@ struct BlockPlan {  // constant data shared by robots of one structure with cont
   std::size_t most_waiting() const {
     return std::min(tolerance::kMostWaitingInBatch, static_cast<std::size_t>(rows() - pattern->nv));
   }
-  int rows() const { return inner->size(); }                       // eliminated rows
+  int rows() const { return inner->size(); }                       // number of eliminated rows
   int factor_nonzeros() const { return pattern->ldl.Lp[rows()]; }  // entries of L below its diagonal
 };
 

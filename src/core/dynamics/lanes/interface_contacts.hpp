@@ -86,8 +86,7 @@ class InterfaceContactsOf final : public InterfaceContacts {
     }
     std::array<Mat6X<S>*, 1> joined() { return {&kin.J}; }
     std::array<Mat6X<S>*, 4> moving() { return {&kin.J, &rnea.Psid, &rnea.Psidd, &rnea.Sv}; }
-    // Loads the ends of all contacts on this side. columns: matrices to which columns of JoinedEnd or
-    // MovingEnd are copied.
+    // Loads the ends of all contacts on this side. columns: copies of the columns of JoinedEnd or MovingEnd.
     template <class Row, class Of>
     void load(std::span<Row> rows, int joint, std::span<Mat6X<S>* const> columns, Of&& end) {
       const double* from[8];

@@ -86,7 +86,7 @@ class RobotBlocks {  // steps of a solve for robots of one plan: one robot, or a
     Border border = {};
     // Results; each comment names the steps (functions below) that set the member.
     bool sound = false;                              // false: another system must solve
-    double motion = 0;                               // evaluate: motion scale of the contacts on the robot alone
+    double motion = 0;                               // evaluate: size by which J of `contacts` is judged
     double terms = 0, diagonal = 0;                  // factor: the largest pivot term and diagonal entry of K
     std::span<const int> dependent = {};             // factor: dependent rows, in the order of the plan's K
     double r[2] = {}, scale[2] = {};                 // correct, check: largest of [0] dynamics rows, [1] contact rows
@@ -139,7 +139,7 @@ class InterfaceContacts {
     double *A, *B;                // JoinedEnd of either body; the columns of J of that body's robot overwrite it
     double* a0;                   // output: a0, one entry per row
     double* left;                 // output for a pair: ContactData::left
-    double smallest_row, motion;  // output: size of the smallest row of J, and motion scale of the rows
+    double smallest_row, motion;  // output: size of J's smallest row, and size by which it is judged
   };
   struct Derivatives {  // input and output of derivatives at the solution
     const Contact* contact;

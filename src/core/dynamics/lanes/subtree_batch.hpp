@@ -194,8 +194,7 @@ void SubtreeBatchOf<S>::act() {
   }
 }
 
-/// Sets x += K^-1 r in elements (subtrees) flagged in `open`, and r = b - K x. Returns the backward error |r| / (|b| +
-/// |K| |x|), or NaN.
+/// Sets x += K^-1 r in subtrees flagged in `open`; then r = b - K x. Returns the error |r| / (|b| + |K| |x|), or NaN.
 template <class S>
 S SubtreeBatchOf<S>::correct(Mask open) {
   step_ = left_;

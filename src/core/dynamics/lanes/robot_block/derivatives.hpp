@@ -138,7 +138,7 @@ auto RobotBlock<S>::form_chunks(std::span<const std::vector<char>> reach, int ld
             wide = std::max(static_cast<int>(kBand / (size * sizeof(Number))), kWhole) / kWhole * kWhole / kPart;
   std::vector<std::vector<char>> reached(reach.begin(), reach.end());
   for (std::vector<char>& rows : reached) sparse::ldl_scheduled_reach(inner_schedule_, rows.data());
-  std::vector<int> order(parts);  // parts without rows come last
+  std::vector<int> order(parts);  // parts without nonzero rows come last
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return a / wide != b / wide ? a / wide < b / wide : reached[a] > reached[b]; });
@@ -248,8 +248,7 @@ const S* RobotBlock<S>::inner_L() {  // L without the border's rows, the last en
   return inner_L_.data();
 }
 
-/// Writes [da; df], from K^-1 B = [da; -df], into the panels of the elements `of`. waiting: the redundant rows;
-/// nullptr: none.
+/// Writes [da; df], from K^-1 B = [da; -df], into the panels of the elements `of`. waiting: redundant rows, or nullptr.
 template <class S>
 void RobotBlock<S>::solve_panels(const S* L, std::span<const Panel> panels, Mask of, WaitingRows<S>* waiting,
                                  const DerivativeJob& job) {

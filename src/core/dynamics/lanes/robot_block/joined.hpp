@@ -54,7 +54,7 @@ void RobotBlock<S>::factor(Robots robots, Memory memory) {
   const int* slot = pattern_.J_slot.data();
   for (const ContactData<S>& rows : contacts_) slot += rows.J.size();
   const double* from[kMostInBatch];
-  std::size_t next = 0;  // offset in the joins
+  std::size_t next = 0;  // offset in Robot::joins
   for (std::size_t k = contacts_.size(); k < plan_->supports.size(); ++k) {
     const int cols = plan_->supports[k].cols(), count = contact(k).rows() * cols;
     load_arrays(side_by_side(robots, from, [&](const Robot& r) { return r.joins + next; }), count, joins_.data());

@@ -108,7 +108,7 @@ class RobotBlock final
   };
   struct Slot {  // an entry of -dr/dq or -dr/dv that may be nonzero
     int i, j;
-    bool of_tree;  // whether robot_columns writes the entry
+    bool of_tree;  // whether it has terms of inverse dynamics (robot_columns), not only of contacts
   };
   struct Indexed {  // access to the right-hand sides in B_ by row and column of the panel
     S* B;
@@ -258,7 +258,7 @@ class RobotBlock final
   RobotQuantities<S> robot_;
   std::vector<ContactData<S>> contacts_;
   std::vector<const PairNumbers<double>*> common_pair_;  // one per contact: numbers that all elements share, or nullptr
-  S smallest_row_, motion_;                              // size of the smallest row of J; motion scale of the contacts
+  S smallest_row_, motion_;                              // size of J's smallest row; size by which it is judged
   bool may_wait_ = false;  // whether rows of J without a sound pivot may wait; if not, another system must solve
 
   Numbers n_;

@@ -154,7 +154,8 @@ void RobotBlock<S>::store_left(const Job& job, Robots robots) const {
                    }));
 }
 
-/// Computes row sizes of J and the motion scale, to find rows of mere rounding errors; damping makes every row sound.
+/// Computes row sizes of J and the size by which they are judged (motion_scale), to find rows of mere rounding errors.
+/// With damping every row is sound.
 template <class S>
 void RobotBlock<S>::size_rows(const Scene& scene, Robots robots) {
   smallest_row_ = S(std::numeric_limits<double>::infinity()), motion_ = S(0);

@@ -46,7 +46,8 @@ class WaitingRows {
   S& row_terms(int k) const { return row_terms_[k]; }  // largest term of row k's a0, to judge inconsistency
   const S& null_component(int k) const { return null_component_[k]; }  // entry k of P x that take_out subtracted
 
-  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: redundant rows.
+  /// any: whether any element has waiting rows. elements: those with waiting or joined rows. of: an element's
+  /// redundant rows.
   bool any() const { return *count_ > 0 || joining_.any(); }
   Mask elements() const { return *waiting_ > S(0); }
   std::span<const int> of(int lane) const {

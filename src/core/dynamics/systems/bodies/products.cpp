@@ -133,7 +133,7 @@ void pull_back_bodies(BodiesSystem& form, double* wq, double* wv) {
       const V6 t = g.v - cross_force(v, g.a);  // gradient with respect to S v
       g.xi += cross_force(uJ, g.u) + cross_force(vJ, t) + cross_force(aJ, g.a);
       for (int m = p.first_dof[i]; m < p.first_dof[i] + p.ndof[i]; ++m) {
-        wq[m] = -s.S.col(m).dot(g.xi);  // wq, wv: product of -(dr)^T with l
+        wq[m] = -s.S.col(m).dot(g.xi);  // wq, wv = -(dr/d(q, v))^T l
         wv[m] = -s.S.col(m).dot(t);
       }
       if (parent < 0) continue;

@@ -150,7 +150,7 @@ void finish_robot(const RobotsSystem& system, std::size_t k, const IslandDerivat
 void finish_sample(const RobotsSystem& system, std::size_t k, const IslandDerivatives& out) {
   OfRobot& r = system.derivatives->robots[k];
   if (!out.request.q) return;
-  std::size_t next = 6;  // J_l of an end follows its force (6 numbers)
+  std::size_t next = 6;  // offset in r.ends; in each EndForce, columns of ContactData::Jl follow 6 numbers of force
   each_end(system, k, [&](const End& e) {
     const std::vector<int>& columns = system.owner.shape->support().columns[e.coupling.number];
     const Eigen::Map<const Mat6X<double>> E(r.ends.data() + next, 6, e.end - e.first);

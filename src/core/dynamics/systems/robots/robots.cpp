@@ -22,7 +22,7 @@ using Member = RobotsSystem::Robot;
 using Kernel = lanes::RobotBlocks;
 using Memory = lanes::RobotBlocks::Memory;
 
-void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {  // splits groups into SIMD batches
+void form_robot_batches(const Scene& scene, Workspace& w, RobotsSystem& s) {  // splits each group into SIMD batches
   s.batches.clear();
   std::size_t size = 0;
   for (std::size_t k = 0; k < s.order.size(); ++k) {

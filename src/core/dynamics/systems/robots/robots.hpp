@@ -25,7 +25,7 @@ struct IslandReport;
 
 struct BlockGroup {  // robots that share a BlockPlan; a group without robots is kept for later contact sets
   std::shared_ptr<const lanes::BlockPlan> plan;
-  std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // one entry per thread
+  std::vector<lanes::OneOrBatch<lanes::RobotBlocks>> kernels;  // double precision, one entry per thread
   std::vector<lanes::OneOrBatch<lanes::SingleBlocks>> single;  // single precision; empty unless options request it
   std::vector<int> islands;                                    // scratch of a call: islands to solve with this plan
   double seconds = 0;                                          // predicted time of a solve of one robot [s]
@@ -97,7 +97,7 @@ class RobotsSystem final : public IslandSystem {  // solves an island of several
     int row, rows;         // the contact's first interface row, and its number of rows
     int A, B;              // the coupled robots' numbers in the island
     int among_A, among_B;  // the contact's index in the coupling contacts of robots A and B
-    double smallest_row, motion;  // size of the smallest row of J; motion scale of the contact's rows
+    double smallest_row, motion;  // size of J's smallest row; size by which it is judged
   };
   struct OfRobot {
     BlockGroup* group;
