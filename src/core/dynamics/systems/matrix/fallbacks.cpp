@@ -27,7 +27,7 @@ Factor& factor_of(MatrixSystem& m, FactorKind kind, Order order) {
   return made(m.chosen, [&m] { return make_factor(m.owner.choice.method, m.owner.shape); });
 }
 
-bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough for dense elimination
+bool may_ask_oracle(const MatrixSystem& m) {  // whether K is small enough for the dense reference solver
   return m.owner.choice.method == Method::kDense ||
          (m.owner.island.nc <= tolerance::kFewRows && m.owner.island.size() <= tolerance::kDenseSize);
 }
