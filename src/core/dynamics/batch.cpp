@@ -222,7 +222,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   });
 }
 
-// Writes d[a; f]/d[q v u] of one copy, row-major in the scene's order, from the islands' blocks. nf: length of f.
+// Writes one copy's d[a; f]/d[q v u], row-major in the scene's order, from its islands' panels. nf: length of f.
 void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
   const DerivativeData& dd = derivatives(s.data);
   const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // offsets of the copy's coordinates

@@ -60,7 +60,7 @@ namespace internal {
 /// Whether the reduction is up to date with the data's options and active contacts, and the scene's parameters.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
 bool has_pairs(const Reduction& reduction, std::size_t island);  // whether an island's contacts are reduced to pairs
-void prepare_reduction(const Scene& scene, SceneData& data);  // makes or drops it for data.active; prepares its islands
+void prepare_reduction(const Scene& scene, SceneData& data);  // makes or drops the reduction; prepares its islands
 /// Solves a prepared scene by its reduced scene. prescribed: as for solve_prepared (internal.hpp).
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);
