@@ -18,7 +18,7 @@ struct BatchCopies {  // a scene that consists of `count` copies of another scen
   int count;
   Scene scene;
   SceneData data;
-  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // vectors of all copies
+  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // vectors of all copies, one after another
 };
 
 namespace {
@@ -151,7 +151,7 @@ void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::Ve
 struct Solved {  // the result of one solve, of one state or of several, one per copy of the scene
   const Scene& scene;
   SceneData& data;
-  BatchCopies* copies;  // nullptr: the scene itself
+  BatchCopies* copies;  // nullptr: solved in the scene itself
   std::ptrdiff_t first;
   int states;
 

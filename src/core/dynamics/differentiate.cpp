@@ -89,8 +89,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 
 // Differentiates an island outside SIMD batches: robot by robot if cheaper, else by the system that solved, or by
 // MatrixSystem. With method auto, MatrixSystem precedes sparse-bodies unless K is too large (kDifferentiatedByMatrix):
-// column by column, sparse-bodies takes 4 to 70 times as long. rank: J's rank in the solve, which MatrixSystem must
-// find.
+// column by column, sparse-bodies takes 4 to 70 times as long. rank: J's rank, which MatrixSystem must find, too.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, int rank, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

@@ -1,4 +1,5 @@
-// The projector on J^T's null space (rank/dependent_rows.hpp): clusters of columns of N, bases B, exchanges of rows.
+// The projector on J^T's null space, from its basis N with a column per dropped row (rank/dependent_rows.hpp). Columns
+// of N that share rows form a cluster, which has a basis B of its own. Rows may be exchanged to limit N's entries.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace manycontact::rank {
 
 namespace {
 
-// Calls use(row of K, value) for each entry of a column of N or B.
+// Calls use(row of K, value) for each entry of a column of N or B, whose columns are stored as p, i, x.
 template <class Use>
 void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x, int column,
                 Use&& use) {

@@ -33,7 +33,7 @@ struct Linearisation {
 
   struct Slot {
     explicit Slot(const Model& model);
-    std::vector<Vec6<double>> a;     // njoints: bias accelerations, while AtSolution has swapped them with kin.a
+    std::vector<Vec6<double>> a;     // njoints: kin.a's bias accelerations while an AtSolution exists
     RneaDerivatives rnea;            // set by right_hand_sides
     std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by right_hand_sides
   };

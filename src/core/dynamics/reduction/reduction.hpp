@@ -36,12 +36,12 @@ struct Reduction {
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
   std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
   std::vector<std::shared_ptr<PairRows>> pairs;          // rows of each pair, in the order of the pairs' contacts
-  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // distinct numbers of all pairs; batches compare addresses
+  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // each distinct PairNumbers once; batches compare addresses
   std::unique_ptr<SceneData> data;                       // data of the reduced scene
   std::unique_ptr<SceneData> plain;  // the scene's own data, for derivatives if damped contacts slide; may be outdated
   std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene
-  Eigen::VectorXd prescribed;    // prescribed accelerations, rows as data->f
-  Eigen::VectorXd df;            // scratch of products, rows as data->f
+  Eigen::VectorXd prescribed;    // prescribed accelerations of rows, in data->f's order
+  Eigen::VectorXd df;            // scratch of products, in data->f's order
   std::vector<char> set;         // scratch of set_of
   Eigen::VectorXd rows_of_pair;  // scratch: one entry per row of a pair's contacts
 

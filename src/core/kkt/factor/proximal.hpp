@@ -185,8 +185,8 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // X <- E X for the first `cols` columns of a row-major panel with row stride ld. Row k of K is row row[k] of X, or
-  // row k if row is nullptr. The rows of M are zero before and after.
+  // X <- E X (file header) for the first `cols` columns of a row-major panel with row stride ld. Row k of K is row
+  // row[k] of X, or row k if row is nullptr. The rows of M are zero before and after.
   void apply(double* X, int ld, int cols, const int* row) {
     std::fill(nonzero_.begin(), nonzero_.end(), 1);
     row ? ldl_.solve_panel(X, ld, 0, cols, nonzero_.data()) : ldl_.solve_in_order(X, ld, cols);
