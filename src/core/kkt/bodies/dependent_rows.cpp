@@ -297,7 +297,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The bodies' forces were computed again, with other rows: the backward error has other rounding errors.
+  // The bodies' forces were computed again, from the projected y, so that the backward error has other rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },

@@ -43,14 +43,14 @@ void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const 
   for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
 }
 
-// W_ <- E^times X_, in the contact rows.
+// W_ <- E^times X_ in the contact rows, for the first `cols` columns. E: the operator of proximal.hpp's file header.
 void ProximalFactor::apply_to_columns(int cols, int times) {
   const KktPattern& p = *ldl_.pattern;
   std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
   for (int k = 0; k < times; ++k) apply(W_.data(), kChunk, cols, p.perm.data());
 }
-// X_ -= W_, in the rows in which null vectors have entries.
+// X_ -= W_, in the rows in which vectors of J^T's null space have entries.
 void ProximalFactor::take_out_of_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
