@@ -74,7 +74,8 @@ double largest_share(const Reduction& r, std::size_t i) {
   return largest;
 }
 
-// Converts a bound relative to the largest force y of the reduced scene into one relative to f. share: largest_share.
+// Converts a bound relative to y, the largest of the reduced scene's forces or of their derivatives, into one relative
+// to the scene's largest, f. share: largest_share.
 double relative_to_forces(double bound, double share, double y, double f) {
   if (bound == 0 || !std::isfinite(bound)) return bound;
   return y == 0 ? 0 : bound * share * y / f;

@@ -100,7 +100,7 @@ void count_open(BodyPattern& p, Ends ends) {
   }
 }
 
-// Computes the largest number of rows that may be open at each node, and offsets of the memory for these rows.
+// Computes how many rows may at most be open (not yet eliminated) at each node, and offsets of the memory for them.
 void make_room(BodyPattern& p, Ends ends) {
   std::vector<int>& waiting = ends.arriving;
   std::vector<int> complete(p.nodes);

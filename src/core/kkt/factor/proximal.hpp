@@ -139,8 +139,8 @@ class ProximalFactor final : public Factor {
     stiffer_ = ldl_.D;
   }
 
-  // Lists dependent rows in dropped_ by the ratios of pivots to delta or, if ambiguous, by the pivots' change with delta.
-  // False: the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known, which saves a factorization.
+  // Lists dependent rows in dropped_ by the ratios of pivots to delta or, if ambiguous, by their change with delta.
+  // False: the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known: a factorization is saved.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
