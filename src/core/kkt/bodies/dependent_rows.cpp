@@ -47,7 +47,7 @@ template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // whether `bases` are computed
-  // Whether a row's force G on a node drives a coordinate. Visits joints from the node to the base until an entry of J is
+  // Whether a force G on a node drives any coordinate. Visits joints from the node to the base until an entry of J is
   // certainly nonzero. After kManyJoints joints, compares the force with the basis of the body's motions.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
