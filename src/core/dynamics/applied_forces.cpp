@@ -57,7 +57,7 @@ void each_block(const Scene& scene, const Island& island, const AppliedForces<do
       use(scene.robots[island.robots[k]].idx_v, island.dof_offset[k], scene.robots[island.robots[k]].model->nv);
 }
 
-// Adds l^T dtau/d(q, v) to a row of out.X; sets that of out.W to l^T dtau/dw. l: s.l; tau: wrench and spring torques.
+// Adds l^T dtau/d(q, v) to out.X's row, and sets out.W's row to l^T dtau/dw. l: s.l; tau: wrench and spring torques.
 void add_row(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
              AppliedWork::OfThread& s, int row, IslandDerivatives& out) {
   each_block(scene, island, forces, [&](int at, int, int n) {
@@ -75,7 +75,7 @@ void add_row(const Scene& scene, const SceneData& data, const Island& island, co
     std::copy_n(s.ww.data() + 6 * out.wrenches[k], 6, &out.W(row, 0) + 6 * k);
 }
 
-// Calls add_row for all rows of out.X. l: the row's derivatives with respect to all torques.
+// Calls add_row for each row of out.X, with s.l set to the row's derivatives by the torques on all coordinates.
 void join_rows(const Scene& scene, const SceneData& data, const Island& island, const AppliedForces<double>& forces,
                AppliedWork::OfThread& s, IslandDerivatives& out) {
   const int rows = out.request.forces ? island.size() : island.nv;
@@ -86,11 +86,11 @@ void join_rows(const Scene& scene, const SceneData& data, const Island& island, 
       s.l.segment(at, n) = Eigen::Map<const Eigen::VectorXd>(by_tau + first, n);
       any = any || !s.l.segment(at, n).isZero(0);
     });
-    if (any) add_row(scene, data, island, forces, s, row, out);  // if not, the row of W stays zero
+    if (any) add_row(scene, data, island, forces, s, row, out);  // if s.l is zero, the row of W stays zero
   }
 }
 
-// Moves the columns of requested torques to the left. Other columns become zero, or NaN if the derivatives failed.
+// Moves requested torque columns to the left. Columns after them become zero, or NaN if the derivatives failed.
 void keep_columns(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
   out.request = request;
   if (request.u && request.tau) return;

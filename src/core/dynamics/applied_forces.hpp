@@ -25,7 +25,7 @@ struct AppliedWork {
   AppliedForces<double> forces;  // wrenches on bodies at the state of the last solve
   struct OfThread {              // scratch
     AppliedScratch scratch;
-    Eigen::VectorXd l, wq, wv, ww;  // nv each; ww: 6 per wrench
+    Eigen::VectorXd l, wq, wv, ww;  // l, wq, wv: nv entries; ww: 6 per wrench
   };
   std::vector<OfThread> threads;
 };
@@ -37,10 +37,10 @@ bool forces_are_applied(const Workspace& w);  // whether wrenches or springs act
 void check_pushes(const Scene& scene, const SceneData& data, const char* function);
 /// Adds the torques of wrenches and springs at q, v to tau (nv).
 void add_applied_forces(const Scene& scene, SceneData& data, const double* q, const double* v, double* tau);
-bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);  // whether a spring has none
+bool lacks_direction(const Scene& scene, const Workspace& w, const Island& island);  // whether a spring's ends coincide
 
-DerivativeRequest by_all_torques(DerivativeRequest request);  // makes torques on all coordinates variables
-/// Adds the derivatives of wrench and spring torques to those for by_all_torques(request); keeps columns of `request`.
+DerivativeRequest by_all_torques(DerivativeRequest request);  // includes derivatives by torques on all coordinates
+/// Adds derivatives of wrench and spring torques to those by_all_torques asked for; then keeps columns of `request`.
 void join_applied_forces(const Scene& scene, SceneData& data, const DerivativeRequest& request);
 
 /// Adds derivatives of wrench and spring torques to right-hand sides R.X (q, v) and R.W (wrenches), after lay_out.

@@ -18,7 +18,7 @@ struct BatchCopies {  // a scene that consists of `count` copies of another scen
   int count;
   Scene scene;
   SceneData data;
-  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // vectors of all copies
+  Eigen::VectorXd q, v, u, wa, wf, wq, wv, wu, ww;  // vectors of all copies, one after another
 };
 
 namespace {
@@ -151,7 +151,7 @@ void gather(const ConstBatchRows& X, std::ptrdiff_t first, int copies, Eigen::Ve
 struct Solved {  // the result of one solve, of one state or of several, one per copy of the scene
   const Scene& scene;
   SceneData& data;
-  BatchCopies* copies;  // nullptr: the scene itself
+  BatchCopies* copies;  // nullptr: solved in the scene itself
   std::ptrdiff_t first;
   int states;
 
@@ -222,7 +222,7 @@ void each_state(const Scene& scene, const BatchStates& s, BatchData& batch, std:
   });
 }
 
-// Writes d[a; f]/d[q v u] of one copy, row-major in the scene's order, from the islands' blocks. nf: length of f.
+// Writes one copy's d[a; f]/d[q v u], row-major in the scene's order, from its islands' panels. nf: length of f.
 void write_derivatives(const Scene& scene, const Solved& s, int copy, Eigen::Index nf, Row out) {
   const DerivativeData& dd = derivatives(s.data);
   const int v0 = copy * scene.nv, u0 = 2 * scene.nv - copy * scene.nu;  // offsets of the copy's coordinates

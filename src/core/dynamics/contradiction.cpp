@@ -1,5 +1,6 @@
-// Decides, for all systems and pairs, whether contacts are inconsistent: the residual of rank/contradiction.hpp exceeds
-// rounding errors of the accelerations that contacts cancel (gravity; without it |J| |tau - h| / max M_ii).
+// Decides, for every IslandSystem and for pairs, whether contacts are inconsistent. They are if the residual of
+// rank/contradiction.hpp exceeds rounding errors of the accelerations that contacts cancel. These are gravity or,
+// without gravity, |J| |tau - h| / max M_ii.
 
 #include <algorithm>
 #include <cmath>

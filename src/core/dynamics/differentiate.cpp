@@ -52,7 +52,7 @@ void number_torques(const Scene& scene, const Island& island, IslandDerivatives&
 }
 
 void lay_out(const Scene& scene, const Island& island, const DerivativeRequest& request, IslandDerivatives& out) {
-  out.u_offset.clear();  // stays empty, i.e. not laid out, if an allocation below throws
+  out.u_offset.clear();  // stays empty, i.e. panels count as not laid out, if an allocation below throws
   out.request = request;
   out.nv = island.nv;
   out.nc = island.nc;
@@ -89,7 +89,7 @@ void prepare_island(const Scene& scene, SceneData& data, IslandWork& d, const De
 
 // Differentiates an island outside SIMD batches: robot by robot if cheaper, else by the system that solved, or by
 // MatrixSystem. With method auto, MatrixSystem precedes sparse-bodies unless K is too large (kDifferentiatedByMatrix):
-// column by column, sparse-bodies takes 4 to 70 times as long. rank: of J, which MatrixSystem must find.
+// column by column, sparse-bodies takes 4 to 70 times as long. rank: J's rank, which MatrixSystem must find, too.
 void differentiate_island(const Scene& scene, SceneData& data, IslandWork& d, int rank, ThreadWork& thread,
                           IslandDerivatives& out) {
   if (differentiates_by_robots(d) && d.robots->differentiate(scene, data, thread, out)) return;

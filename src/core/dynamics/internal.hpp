@@ -27,7 +27,7 @@ inline double prescribed_in(const SceneData& data, int contact, Eigen::Index i) 
   return prescribed.empty() ? 0 : prescribed[data.f_offset[contact] + i];
 }
 
-/// Returns where a pair's ContactData::left is stored (reduction/reduction.hpp); nullptr if the contact is no pair.
+/// Returns the stored ContactData::left of a pair: its contacts' inconsistency; nullptr if the contact is no pair.
 inline double* left_of(Workspace& w, int contact) {
   const int at = w.left_offset[contact];
   return at < 0 ? nullptr : w.left.data() + at;

@@ -25,7 +25,7 @@ namespace {
 void copy_dependent(const SceneData& of, SceneData& data) {
   const Workspace &from = *of.workspace, &to = *data.workspace;
   if (from.reduction && to.reduction) return copy_dependent(*from.reduction->data, *to.reduction->data);
-  if (from.reduction || to.reduction || from.islands.size() != to.islands.size()) return;  // another method
+  if (from.reduction || to.reduction || from.islands.size() != to.islands.size()) return;  // the methods differ
   for (std::size_t i = 0; i < to.islands.size(); ++i) to.islands[i]->depended = from.islands[i]->depended;
 }
 

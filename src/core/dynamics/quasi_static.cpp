@@ -15,8 +15,8 @@ namespace {
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-// Returns upper bounds of the loads on a robot's coordinates. Gravity g loads by at most |g| sqrt(m M_ii), m the mass
-// that i moves (Cauchy-Schwarz). applied: sizes of wrench and spring torques per scene coordinate, or empty.
+// Returns upper bounds of the loads on a robot's coordinates. Gravity g loads coordinate i by at most |g| sqrt(m M_ii),
+// m the mass that i moves (Cauchy-Schwarz). applied: sizes of wrench and spring torques per scene coordinate, or empty.
 Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::vector<double>& M,
                            const std::vector<double>& applied) {
   const Model& model = *robot.model;
@@ -34,7 +34,7 @@ Eigen::VectorXd load_sizes(const Scene& scene, const Robot& robot, const std::ve
 }
 
 // Finds robots whose residual exceeds 1e-6 of the loads, i.e. what rounded numbers in files explain. Returns for each
-// the coordinate with the largest ratio. left: residual h - B u - J^T f of static equilibrium (nv).
+// the coordinate with the largest ratio of residual to load. left: residual h - B u - J^T f of static equilibrium (nv).
 std::vector<Unbalanced> unbalanced_robots(const Scene& scene, const Eigen::VectorXd& q, const SceneData& data,
                                           const Eigen::VectorXd& left) {
   constexpr double kRounded = 1e-6;

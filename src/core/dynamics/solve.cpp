@@ -78,7 +78,7 @@ void solve_left(const Scene& scene, SceneData& data) {  // the islands that SIMD
   });
 }
 
-void solve_joined(const Scene& scene, SceneData& data) {  // islands robot by robot; each uses all threads
+void solve_joined(const Scene& scene, SceneData& data) {  // solves islands by RobotsSystem, which uses all threads
   Workspace& w = *data.workspace;
   for (std::size_t i = 0; i < w.islands.size(); ++i) {
     IslandWork& d = *w.islands[i];

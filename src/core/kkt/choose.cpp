@@ -59,7 +59,8 @@ double cost_bodies(IslandShape& shape) {
   return cost;
 }
 
-// Whether sparse-bodies is predicted to be cheaper than `cost`. Islands with too many bodies for it are not analysed.
+// Whether sparse-bodies is predicted to be cheaper than M's and J's terms and a factor that costs `cost`. Islands with
+// too many bodies for it are not analysed.
 bool bodies_are_cheaper(IslandShape& shape, double cost) {
   double nodes = 0;
   for (const Robot& robot : shape.scene().robots) nodes += robot.model->njoints();

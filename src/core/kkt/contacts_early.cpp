@@ -20,7 +20,7 @@ namespace manycontact {
 namespace {
 
 // Returns J per contact in a configuration without symmetry: each coordinate is neutral + `mean` +- up to `most`. Bases
-// are at the world's origin: equal islands get equal orders. other: difference of phase between successive robots.
+// are at the world's origin: equal islands get equal orders. other: phase between successive robots' deviations.
 std::vector<Eigen::MatrixXd> jacobians_at(const Scene& scene, const Island& island, const IslandSupport& support,
                                           double mean, double most, double other) {
   std::vector<Eigen::MatrixXd> J;
@@ -81,7 +81,7 @@ class Clusters {
         if (body != kWorld) touching_[body].push_back(static_cast<int>(c));
   }
 
-  /// Contact c is now in the order. Calls use(contact) for contacts between the clusters it unites; they may follow.
+  /// Call it with c now in the order. Calls use(contact) for contacts between clusters that c unites; they may follow.
   template <class Use>
   void fix(int c, Use&& use) {
     if (scene_.contacts[island_.contacts[c]].rows() < 6) return;

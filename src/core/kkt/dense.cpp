@@ -65,7 +65,8 @@ bool is_noise(const S& pivot, const S& terms, int rounding = tolerance::kRoundin
   return !(abs(pivot) > S(rounding) * std::numeric_limits<S>::epsilon() * terms);
 }
 
-// Whether A = N^T M N has a sound factor: pivots exceed rounding errors of |N|^T |M| |N|, and the effect of N's errors.
+// Whether A = N^T M N (N: basis of J's null space) has a sound factor. Its pivots must exceed the rounding errors of
+// |N|^T |M| |N|, and the effect of N's errors.
 template <class S>
 bool sound_inertia(const DenseKkt<S>& kkt, const MatX<S>& A) {
   const MatX<S>&M = kkt.M, &N = kkt.N;

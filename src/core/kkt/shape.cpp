@@ -24,7 +24,7 @@ Attachment body_B(const Island& island, const Contact& contact) {
 // Whether the contact's position on A's body matters; six rows constrain all motions, wherever they are.
 bool place_counts(const Contact& contact) { return contact.type != ContactType::k6D || contact.rows() < 6; }
 
-// Sorts the rows of each contact in an order. K's pattern remains, as the rows of a contact have equal columns.
+// Sorts the rows of each contact in an elimination order. K's pattern remains: rows of a contact have equal columns.
 std::vector<int> sort_rows(const Island& island, std::vector<int> perm) {
   std::vector<int> place = sparse::inverse(perm);
   for (std::size_t c = 0; c < island.contacts.size(); ++c) {

@@ -106,7 +106,7 @@ Errors dependence_residuals(const sparse::UpperCsc& K, const double* Kx, std::sp
   return largest;
 }
 
-// Whether row k was dropped by an exchange or after it had waited, so that it may depend on later rows.
+// Whether row k was dropped by an exchange or after waiting (waiting_rows.hpp), and so may depend on later rows.
 bool is_turned(const DependentRows& rows, int k) {
   const WaitingRows& w = rows.waiting;
   return (!rows.turned.empty() && rows.turned[k]) ||
@@ -136,7 +136,8 @@ void take_later_entries(const sparse::UpperCsc& K, std::span<const char> of_M, D
   rows.Jp[0] = 0;
 }
 
-// Computes columns e_k - z of N for up to kColumns dropped rows k, in rows.N: L^T z = row k of L over rows of J before.
+// Computes in rows.N the columns e_k - z of N for up to kColumns dropped rows k. z solves L^T z = (row k of L), both
+// restricted to rows of J before k.
 void null_columns(const sparse::LdlSymbolic& s, std::span<const char> of_M, const double* Lx,
                   std::span<const int> dropped, DependentRows& rows) {
   const auto [least, last] = std::ranges::minmax(dropped);
@@ -243,8 +244,8 @@ void find_columns(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const
   }
 }
 
-// Moves dropped rows whose dependence is not certain (rows.plain) to the waiting rows, and removes their columns of N.
-// Returns the number of dropped rows that remain.
+// Moves dropped rows whose dependence is not certain (not flagged in rows.plain) to the waiting rows, and removes their
+// columns of N. Returns the number of dropped rows that remain.
 std::size_t keep_plain_columns(DependentRows& rows) {
   std::size_t plain = 0;
   int end = 0;

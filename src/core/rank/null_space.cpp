@@ -1,4 +1,5 @@
-// The projector on J^T's null space (rank/dependent_rows.hpp): clusters of columns of N, bases B, exchanges of rows.
+// The projector on J^T's null space, from its basis N with a column per dropped row (rank/dependent_rows.hpp). Columns
+// of N that share rows form a cluster, which has a basis B of its own. Rows may be exchanged to limit N's entries.
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -15,7 +16,7 @@ namespace manycontact::rank {
 
 namespace {
 
-// Calls use(row of K, value) for each entry of a column of N or B.
+// Calls use(row of K, value) for each entry of a column of N or B, whose columns are stored as p, i, x.
 template <class Use>
 void each_entry(const std::vector<int>& p, const std::vector<int>& i, const std::vector<double>& x, int column,
                 Use&& use) {
@@ -30,7 +31,7 @@ void each_of_basis(const DependentRows& rows, const DependentRows::Cluster& clus
   each_entry(rows.Bp, rows.Bi, rows.Bx, cluster.basis + column, use);
 }
 
-// Lists the rows of K in which a cluster's columns of N have entries, its dropped rows first, then kept rows.
+// Lists the rows of K in which a cluster's columns of the null-space basis N have entries, dropped before kept rows.
 void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   constexpr int kListed = -2;  // marks a row as listed, in rows.owner
   std::vector<int>& all = rows.cluster_rows;
@@ -46,7 +47,8 @@ void take_rows(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.row_end = static_cast<int>(all.size());
 }
 
-// Sets a cluster's B to [Z^T; 1], one column per kept row: the orthogonal complement of its columns [1; -Z] of N.
+// Sets a cluster's basis B to [Z^T; 1], with a column per kept row: the orthogonal complement of its columns [1; -Z]
+// of the null-space basis N.
 void take_complement(DependentRows& rows, DependentRows::Cluster& cluster) {
   cluster.kind = cluster.kComplement;
   std::vector<int>& place = rows.owner;  // numbers of entries of kept rows' columns, then positions of the next entries
@@ -122,7 +124,8 @@ double largest_entry(const DependentRows& rows, const DependentRows::Cluster& cl
   return largest;
 }
 
-// Computes a cluster's B: orthonormal if entries of N are large, otherwise N or its complement, whichever is smaller.
+// Computes a cluster's basis B. In small clusters whose columns of N have large entries it is orthonormal. Otherwise it
+// consists of these columns or of their orthogonal complement, whichever has fewer columns.
 void take_basis(DependentRows& rows, DependentRows::Cluster& cluster) {
   const double largest = largest_entry(rows, cluster);
   rows.largest_entry = std::max(rows.largest_entry, largest);

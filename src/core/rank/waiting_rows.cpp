@@ -15,7 +15,8 @@ namespace {
 
 using Rows = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-// Calls use(row of K1, number of the waiting row, entry) for each entry of B (file header of waiting_rows.hpp).
+// Calls use(row of K1, number of the waiting row, entry) for each entry of B. B^T: the waiting rows of J, i.e. those
+// without a sound pivot in K's order; K1: K without them (file header of waiting_rows.hpp).
 template <class Use>
 void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* D, const WaitingRows& w, Use&& use) {
   for (int k = 0; k < K.n; ++k)
@@ -26,7 +27,7 @@ void each_entry_of_B(const sparse::UpperCsc& K, const double* Kx, const double* 
     }
 }
 
-// Computes w.Z = K1^-1 B, which has `width` columns, with one refinement.
+// Computes w.Z = K1^-1 B with one refinement. B: the waiting rows' `width` columns; K1: K without them.
 void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, int width, const SolvePanel& solve,
                  WaitingRows& w) {
   const std::size_t size = static_cast<std::size_t>(K.n) * width;
@@ -42,8 +43,8 @@ void solve_for_Z(const sparse::UpperCsc& K, const double* Kx, const double* D, i
   for (std::size_t k = 0; k < size; ++k) w.Z[k] += w.B[k];
 }
 
-// Computes each waiting row's 1 / sqrt(terms). The terms are l_j^2 |d_j| for rows j of K1 before it, J_i^2 / M_ii for
-// later rows i of M. Rows of J that are only rounding errors get 0, so that they do not join.
+// Computes each waiting row's 1 / sqrt(terms of its pivot). The terms are l_j^2 |d_j| for rows j of K1 before it, J_i^2
+// / M_ii for later rows i of M. Rows of J that are only rounding errors get 0, so that they do not join K1.
 void take_scales(const sparse::UpperCsc& K, const sparse::LdlSymbolic& s, const double* Kx, std::span<const char> of_M,
                  const double* row_size, const double* Lx, const double* D, WaitingRows& w) {
   std::vector<double>&terms = w.scale, &largest = w.largest;

@@ -1,12 +1,13 @@
 #pragma once
-// Functions that write the right-hand sides -dr of an island's derivatives with respect to q or v, robot by robot and
-// contact by contact. A block X has one column per coordinate. S: double, or a SIMD pack of robots.
+// Functions that write the right-hand sides -dr of K [da; -df] = -dr, robot by robot and contact by contact. dr are the
+// derivatives, with respect to q or v, of the residuals of an island's dynamics and contact rows. A block X of -dr has
+// one column per coordinate. S: double, or a SIMD pack of robots.
 
 #include "manycontact/detail/contact/derivatives.hpp"
 
 namespace manycontact::internal {
 
-/// Writes -dID/dq or -dID/dv into a robot's diagonal block. lower, upper: triangles of dID, packed like M.
+/// Writes -dID/dq or -dID/dv (ID: inverse dynamics) into a robot's block X. lower, upper: triangles of dID, as in M.
 template <class S, class Block>
 void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X) {
   for (int i = 0; i < model.nv; ++i) {
@@ -18,14 +19,15 @@ void robot_columns(const Model& model, const S* lower, const S* upper, Block&& X
   }
 }
 
-/// Subtracts W dx from a contact's rows X. W: ContactData::W; dx: dx_dq or dx_dv of ContactDerivatives, per coordinate.
+/// Subtracts W dx from a contact's rows X. W selects the contact's rows from the relative motion x of its frames
+/// (ContactData); dx: derivatives dx_dq or dx_dv of x (ContactDerivatives), a column per coordinate.
 template <class S, class Block>
 void contact_columns(const ContactData<S>& rows, const Mat6X<S>& dx, const std::vector<int>& columns, Block&& X) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     for (int i = 0; i < rows.W.rows(); ++i) X(i, columns[k]) -= rows.W.row(i).dot(dx.col(k));
 }
 
-/// Subtracts dW/dq x (rotation of a world-aligned frame) from a contact's rows X. oA: first coordinate of A's robot.
+/// Subtracts dW/dq x, due to world axes that rotate relative to A, from a contact's rows X. oA: A's first coordinate.
 template <class S, class Block>
 void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, int oA, Block&& X) {
   if (!d.turns) return;
@@ -35,8 +37,8 @@ void turning_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& 
   }
 }
 
-/// Corrects X = -dr1/dq (nv x nv), computed as if contact forces moved with their bodies: the force on B moves with A,
-/// and a world-aligned frame does not rotate. oA, oB: first coordinates of the robots of A and B.
+/// Corrects X = -dr1/dq (r1: residual of dynamics), computed as if contact forces moved with their bodies. In fact, B's
+/// force moves with A, and does not rotate in a world-aligned frame. oA, oB: first coordinates of A's and B's robots.
 template <class S, class Block>
 void force_columns(const ContactData<S>& rows, const ContactDerivativesOf<S>& d, const std::vector<int>& columns,
                    int oA, int oB, Block&& X) {

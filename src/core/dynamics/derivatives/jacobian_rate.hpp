@@ -1,6 +1,7 @@
 #pragma once
-// The derivative of one contact's J with respect to q. Columns s_i of J_l (detail/contact/rows.hpp) move with joints
-// above them, i.e. nearer to the base, and are expressed in A's axes:
+// The derivative of one contact's J = W J_l with respect to q. J_l is the Jacobian of the motion of A relative to B'
+// (detail/contact/rows.hpp). Its columns s_i move with joints above them, i.e. nearer to the base, and are expressed in
+// A's axes:
 //
 //   ds_i/dq_k = -s_k x s_i   k above A:  if i is above B', or above A on a joint above k's joint
 //                            k above B': if i is above B', on k's joint or on a joint below
@@ -21,7 +22,7 @@ class JacobianRate {  // products with the derivative of one contact's J, from i
     const std::vector<int>& support;  // ContactSupport::a or b
     const std::vector<int>& joint;    // joint of each velocity coordinate of the body's robot
   };
-  /// columns: coordinates of J's columns. chain_a: those of joints above A, in A's robot, which begins at first_a.
+  /// columns: coordinates of J's columns. chain_a: coordinates above A, counted from first_a, the first of A's robot.
   JacobianRate(const Contact& contact, const ContactData<S>& rows, Chain a, Chain b, const std::vector<int>& columns,
                const std::vector<int>& chain_a, int first_a, const Kinematics<S>& kin_a)
       : contact_(contact),
@@ -56,7 +57,7 @@ class JacobianRate {  // products with the derivative of one contact's J, from i
 
   template <class Y, class Use>
   void of_force(const V6& F, const Y& dq, Use&& use) const {  // calls use(i, (d(J_l^T F)/dq dq)_i); F: in A's axes
-    V6 turning = V6::Zero();  // th x F for all s: -(th x s)^T F = s^T (th x F)
+    V6 turning = V6::Zero();  // th x F, th: A's rotation along dq; -(th x s)^T F = s^T (th x F)
     if (rows_turn(contact_)) {
       Vec3<S> th = Vec3<S>::Zero();
       for (int i : chain_a_) th += turn(i) * dq[first_a_ + i];

@@ -12,7 +12,7 @@ namespace manycontact {
 struct Workspace;
 
 template <class T>
-class OnDemand {  // one object per robot or contact, allocated when an island first needs it; not for SIMD batches
+class OnDemand {  // one object per robot or contact, allocated when an island outside SIMD batches needs it
  public:
   explicit OnDemand(std::size_t count) : made_(count) {}
   T& operator[](std::size_t k) { return *made_[k]; }
@@ -27,13 +27,13 @@ class OnDemand {  // one object per robot or contact, allocated when an island f
   std::vector<std::unique_ptr<T>> made_;
 };
 
-/// Terms at the solution. Robots of one model share slots of a pool, as a thread processes one island at a time.
+/// Terms for derivatives at the solution. Robots of one model share pool slots: a thread processes an island at a time.
 struct Linearisation {
   explicit Linearisation(const Scene& scene);
 
   struct Slot {
     explicit Slot(const Model& model);
-    std::vector<Vec6<double>> a;     // njoints: bias accelerations, while AtSolution has swapped them with kin.a
+    std::vector<Vec6<double>> a;     // njoints: kin.a's bias accelerations while an AtSolution exists
     RneaDerivatives rnea;            // set by right_hand_sides
     std::vector<Vec6<double>> fext;  // njoints: contact forces, tree frame; set by right_hand_sides
   };

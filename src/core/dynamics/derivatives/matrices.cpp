@@ -7,7 +7,7 @@ namespace {
 
 enum Columns { kOfQ, kOfV, kOfU, kOfW };
 
-// Calls use(value, row, column, variable, whether forces are differentiated) per entry; rows, columns as in the scene.
+// Calls use(value, row, column, variable, whether the row is a force) for each derivative. Numbers are the scene's.
 template <class Use>
 void each_entry(const Scene& scene, const SceneData& data, const Island& island, const IslandDerivatives& d,
                 Use&& use) {

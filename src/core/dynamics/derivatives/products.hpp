@@ -6,7 +6,7 @@
 
 namespace manycontact::internal {
 
-/// The variation of a fixed body. It is not in BodyVariation's header, as SIMD kernels must not run start-up code.
+/// The zero variation of a fixed body. It is not in BodyVariation's header, as SIMD kernels must not run start-up code.
 inline const BodyVariation kAtRest{Vec6<double>::Zero(), Vec6<double>::Zero(), Vec6<double>::Zero(),
                                    Vec6<double>::Zero()};
 
@@ -22,7 +22,7 @@ void adjoint_right_side(const Scene& scene, const SceneData& data, const Island&
 void pull_back_island(const Scene& scene, const SceneData& data, const Island& island, ProductWork& work,
                       const AdjointProduct& p);
 
-/// Computes jvp for an evaluated island. solve(work): overwrites [a; y] with K^-1 [a; y].
+/// Computes jvp for an island whose terms are evaluated. solve(work): overwrites [a; y] with K^-1 [a; y].
 template <class Solve>
 void tangent_product(const Scene& scene, SceneData& data, const Island& island, const TangentProduct& p,
                      Solve&& solve) {

@@ -17,7 +17,7 @@ void derivative_terms(const Scene& scene, SceneData& data, const Island& island)
   for (int c : island.contacts) {
     const Contact& contact = scene.contacts[c];
     const int A = contact.A.robot, B = contact.B.robot;
-    // A fixed end may be on a robot of another island, whose terms must not be read.
+    // A contact's fixed end may be on a robot of another island. The terms of that robot must not be read.
     const RneaDerivatives& of_A = lin.of(moves(contact.A) ? A : B).rnea;
     const RneaDerivatives* of_B = moves(contact.B) ? &lin.of(B).rnea : nullptr;
     contact_derivatives<double>(contact, w.supports[c], w.robots[A].kin, B < 0 ? nullptr : &w.robots[B].kin, of_A, of_B,

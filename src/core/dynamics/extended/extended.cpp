@@ -30,7 +30,7 @@ using tolerance::kExtendedConverged, tolerance::kExtendedVanishing, tolerance::k
 
 using OfIsland = ExtendedWork::OfIsland;
 
-// Whether the double solution may be refined, i.e. solves with unchanged J and, if damped, with all rows.
+// Whether the double solution may be refined, i.e. solves with J unchanged and, if damped, without dropped rows.
 bool may_refine(const Scene& scene, const IslandWork& d, const IslandReport& report) {
   if (!d.answered || (d.matrix.tolerated > 0 && !d.matrix.within.changes().empty())) return false;
   if (scene.damping > 0 && report.rank < report.nc && report.reason != Reason::kDampingLost) return false;
@@ -51,7 +51,7 @@ void take_part(const SceneData& data, ExtendedWork& e) {
 }
 extended::Part part_of(const ExtendedWork& e) { return {e.robots, e.contacts}; }
 
-// Calls use(contact, row of the contact, row of f) for all contact rows of the open islands.
+// Calls use(contact, row of the contact, row of f) for all contact rows of the open islands (OfIsland::open).
 template <class Use>
 void each_row(const Scene& scene, const SceneData& data, const ExtendedWork& e, const Use& use) {
   for (int c : e.contacts)
@@ -81,7 +81,7 @@ void invert_islands(const Scene& scene, SceneData& data, const ExtendedWork& e) 
   }
 }
 
-// Overwrites the residuals e.r_a, e.r of the open islands with the step [da; df].
+// Overwrites the residuals e.r_a (dynamics), e.r (contact rows) of the open islands with the correction [da; df].
 void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
   SceneData& solved = data.workspace->reduction ? *data.workspace->reduction->data : data;
   const Scene& of = &solved == &data ? scene : data.workspace->reduction->scene;
@@ -94,7 +94,7 @@ void invert(const Scene& scene, SceneData& data, ExtendedWork& e) {
     e.r.head(rows) = -x.y.head(rows);
   } else {
     reduce_forces(data, e.r.data(), x.y.data());
-    const bool damped = scene.damping > 0;  // pairs then have forces in the null space of J^T, too
+    const bool damped = scene.damping > 0;  // contacts of a pair then also have forces in J^T's null space
     if (damped) {
       expand_forces(data, x.y.data(), e.rest.data());
       each_row(scene, data, e, [&](std::size_t c, int, int k) {
@@ -193,7 +193,7 @@ void take_any_forces(Eigen::VectorXd& f) {  // pseudo-random numbers in [-1, 1) 
   }
 }
 
-// Repeats `step` for all open islands, until judge(island, data of the island, number of steps) has closed all.
+// Repeats `step` while islands are open. judge(island, its data, number of steps) finds those that converge or fail.
 template <class Judge, class Step>
 void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const Step& step) {
   for (int k = 0; any_open(e); ++k) {
@@ -209,8 +209,8 @@ void repeat(const SceneData& data, ExtendedWork& e, const Judge& judge, const St
   }
 }
 
-// Excludes open islands whose J has another rank in double-double. In the other islands, corrections by K^+ make J^T n
-// vanish for a vector n of row forces that starts random.
+// Excludes from refinement the open islands whose J has another rank in double-double. In the other islands,
+// corrections by K^+ make J^T n vanish for a vector n of row forces that starts random.
 void refuse_unless_dependent(const Scene& scene, SceneData& data, ExtendedWork& e) {
   take_any_forces(e.rest);
   e.equations->set_rest(part_of(e), e.rest.data());
@@ -286,7 +286,7 @@ void take_projection(const Scene& scene, SceneData& data, extended::Equations::P
   if (open_dependent(data, e)) e.equations->take_rest(part_of(e));
 }
 
-// Excludes islands whose rows depend only up to rounding of the state: in double-double J has another rank.
+// Excludes from refinement islands whose rows depend only up to rounding: in double-double J has another rank.
 void take_dependence(const Scene& scene, SceneData& data, ExtendedWork& e) {
   if (!open_dependent(data, e)) return;
   take_weights(scene, data, e);
@@ -370,10 +370,11 @@ void take_answers(const Scene& scene, SceneData& data, ExtendedWork& e) {
   }
 }
 
-constexpr double kJustAbove = 1 + 0x1p-20;  // covers rounding of a distance; a bound of 1 becomes > 1
+constexpr double kJustAbove = 1 + 0x1p-20;  // factor of bounds: covers a distance's rounding, makes 1 exceed 1
 
-// Sizes of an island's a or f for its error bound. size, size_before: largest entry, reported, in double; by_inverse:
-// relative bound by |K^-1|; distance: to the refined copy; last: its correction; at_rest: due to loads.
+// Sizes from which the error bound of an island's a or f is computed. size: largest entry of the reported solution;
+// size_before: that of the solution in double; by_inverse: relative bound by |K^-1|; distance: from the solution to its
+// refined copy; last: the copy's last correction; at_rest: size that the loads may cause.
 struct Distance {
   double size, size_before, by_inverse;
   double distance, last, at_rest;
@@ -387,7 +388,7 @@ struct Distance {
            std::numeric_limits<double>::min();
   }
   bool is_known(double error) const { return error < std::max(size, at_rest); }
-  // Whether all digits of the double solution are rounding errors, but its size is small relative to the loads.
+  // Whether all digits of the double solution are rounding errors, but it is small relative to what loads may cause.
   bool vanishes() const { return by_inverse >= 1 && is_known(by_inverse * size); }
 };
 

@@ -28,7 +28,7 @@ struct ExtendedWork {
     double at_rest_a = 0, at_rest_f = 0;  // sizes of a, f that the loads may cause, to judge vanishing a, f
     double size_a = 0, size_f = 0;        // largest entries of a and f of the double solution
     double last_a = 0, last_f = 0;        // largest entries of the last correction
-    double rest = 0;                      // size of the null-space part (equations.hpp)
+    double rest = 0;                      // largest entry of the f or r that is projected (equations.hpp)
     int steps = 0;
     Status status = Status::kOk;  // status of the solution, before its bounds
     Reason reason = Reason::kNone;
@@ -40,7 +40,7 @@ struct ExtendedWork {
   std::vector<int> robots, contacts;  // robots and contacts of the open islands
   Eigen::VectorXd a, f;               // x, rounded to double
   Eigen::VectorXd r, r_a;             // residuals of contact rows and of dynamics
-  Eigen::VectorXd weights, rest;      // one entry per row of f
+  Eigen::VectorXd weights, rest;      // row weights S, and scratch of projections: one entry per row of f
   std::vector<double> damping;        // one entry per contact: the scene's damping, or 0 (Reason::kDampingLost)
 };
 

@@ -34,7 +34,7 @@ struct RobotWork {  // one robot's kinematics; accelerations and forces of its b
         sizes(model.njoints()),
         h(model.nv) {}
   Kinematics<S> kin;
-  std::vector<V6> a, f, external;  // njoints: accelerations; forces; contact forces
+  std::vector<V6> a, f, external;  // njoints: accelerations, forces, contact forces of bodies
   std::vector<ForceSize> sizes;    // njoints: magnitudes of contact forces, scratch
   VecX<S> h;
 };

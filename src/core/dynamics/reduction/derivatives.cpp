@@ -17,7 +17,7 @@ bool alike_gains(const PairRows& pair) {
   });
 }
 
-// Whether the contacts of a pair are consistent at the state, and remain so to first order.
+// Whether the contacts that a pair replaces are consistent at the state, and remain so to first order.
 bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
   const double* left = left_of(*r.data->workspace, c);
   return alike_gains(pair) && left[pair.unit.size() + 1] <= tolerance::kMovesAsOne;
@@ -28,7 +28,7 @@ int row_of(const Island& island, int contact) {
   return island.row_offset[at];
 }
 
-// Computes the force rows of an island's panel from the force rows of the reduced scene's panel.
+// Computes the derivatives of f in an island's panel from those of the reduced scene's forces in its panel.
 template <class From, class To>
 void expand_rows(const Reduction& r, std::size_t i, const From& from, To&& to) {
   const Island &solved = solved_island(*r.data, i), &own = r.islands[i];
@@ -62,7 +62,7 @@ void expand_panel(const Scene& scene, const Reduction& r, std::size_t i, const I
   expand_rows(r, i, from.W.block(nv, 0, from.nc, w), out.W.block(nv, 0, island.nc, w));
 }
 
-// Returns the largest row sum of |S Q|, at least 1. Errors of y cause errors of f = S Q y at most this times as large.
+// Returns the largest row sum of |S Q|, at least 1: f = S Q y has errors at most this times those of pairs' forces y.
 double largest_share(const Reduction& r, std::size_t i) {
   double largest = 1;
   for (int c : solved_island(*r.data, i).contacts) {
@@ -74,7 +74,8 @@ double largest_share(const Reduction& r, std::size_t i) {
   return largest;
 }
 
-// Converts a bound relative to the largest y into one relative to the largest f.
+// Converts a bound relative to y, the largest of the reduced scene's forces or of their derivatives, into one relative
+// to the scene's largest, f. share: largest_share.
 double relative_to_forces(double bound, double share, double y, double f) {
   if (bound == 0 || !std::isfinite(bound)) return bound;
   return y == 0 ? 0 : bound * share * y / f;
@@ -164,7 +165,7 @@ void bound_errors_reduced(const Scene& scene, SceneData& data) {
   take_bounds(scene, data, r);
 }
 
-// With damping, the K of all contacts also has the eigenvalue -damping (forces in the null space of a pair's J^T).
+// With damping, the full scene's K also has the eigenvalue -damping (forces in the null space of a pair's J^T).
 void estimate_condition_reduced(const Scene& scene, SceneData& data) {
   const Reduction& r = *data.workspace->reduction;
   estimate_condition(r.scene, *r.data);

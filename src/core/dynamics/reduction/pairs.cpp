@@ -1,4 +1,4 @@
-// Finds contacts to reduce to pairs, and makes the reduced scene.
+// Finds contacts that pairs can replace (reduction.hpp), and makes the reduced scene.
 
 #include <algorithm>
 #include <tuple>
@@ -55,7 +55,7 @@ std::vector<std::vector<int>> find_groups(const Scene& scene) {  // groups: the 
   return groups;
 }
 
-// Returns flags of a group's active contacts.
+// Returns one flag per contact of a group: whether it is active. group: contacts between the same two bodies.
 const std::vector<char>& set_of(const std::vector<int>& group, const std::vector<char>& active, Reduction& r) {
   r.set.clear();
   for (int c : group) r.set.push_back(active[c]);
@@ -69,7 +69,7 @@ std::vector<int> contacts_of(const std::vector<int>& group, const std::vector<ch
   return out;
 }
 
-// Adds a new set of contacts. Returns whether the contacts' rows are dependent, so that the set has a pair.
+// Adds a set of active contacts to group g. Returns whether their rows are dependent, so that the set has a pair.
 bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, Reduction& r) {
   const std::vector<int> contacts = contacts_of(r.groups[g], set);
   Reduction::Set of;
@@ -83,8 +83,8 @@ bool add_pair(const Scene& scene, std::size_t g, const std::vector<char>& set, R
   return found;
 }
 
-// Adds to each group the set of its contacts that are active now. A new set is also added to all other groups with as
-// many contacts, because copies of a robot are likely to activate it later. Returns whether there are new pairs.
+// Adds to each group (contacts of two bodies) the set of contacts active now. A new set is also added to all other
+// groups with as many contacts, as copies of a robot may activate it later. Returns whether there are new pairs.
 bool add_sets(const Scene& scene, const std::vector<char>& active, Reduction& r) {
   bool found = false;
   for (std::size_t g = 0; g < r.groups.size(); ++g) {

@@ -36,12 +36,12 @@ struct Reduction {
   std::vector<std::vector<int>> groups;  // contacts of the scene between the same two bodies, with constant rows
   std::vector<std::map<std::vector<char>, Set>> sets;    // one map per group, from flags of its active contacts
   std::vector<std::shared_ptr<PairRows>> pairs;          // rows of each pair, in the order of the pairs' contacts
-  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // distinct numbers of all pairs; batches compare addresses
+  std::set<SharedPairNumbers, PairNumbersLess> numbers;  // each distinct PairNumbers once; batches compare addresses
   std::unique_ptr<SceneData> data;                       // data of the reduced scene
   std::unique_ptr<SceneData> plain;  // the scene's own data, for derivatives if damped contacts slide; may be outdated
   std::vector<Island> islands;   // one per island of `data`, with the contacts of the original scene
-  Eigen::VectorXd prescribed;    // prescribed accelerations, rows as data->f
-  Eigen::VectorXd df;            // scratch of products, rows as data->f
+  Eigen::VectorXd prescribed;    // prescribed accelerations of rows, in data->f's order
+  Eigen::VectorXd df;            // scratch of products, in data->f's order
   std::vector<char> set;         // scratch of set_of
   Eigen::VectorXd rows_of_pair;  // scratch: one entry per row of a pair's contacts
 
@@ -60,7 +60,7 @@ namespace internal {
 /// Whether the reduction is up to date with the data's options and active contacts, and the scene's parameters.
 bool reduction_is_current(const Scene& scene, const SceneData& data);
 bool has_pairs(const Reduction& reduction, std::size_t island);  // whether an island's contacts are reduced to pairs
-void prepare_reduction(const Scene& scene, SceneData& data);  // makes or drops it for data.active; prepares its islands
+void prepare_reduction(const Scene& scene, SceneData& data);  // makes or drops the reduction; prepares its islands
 /// Solves a prepared scene by its reduced scene. prescribed: as for solve_prepared (internal.hpp).
 const Report& solve_reduced(const Scene& scene, const ConstVector& q, const ConstVector& v, const ConstVector& tau,
                             SceneData& data, std::span<const double> prescribed);

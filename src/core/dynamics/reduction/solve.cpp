@@ -90,7 +90,8 @@ rank::Contradiction<double> contradiction_of(const SceneData& data, const Reduct
   return out;
 }
 
-// Lists an island's dependent rows; in pairs, rows outside the basis, and rows that depend in the reduced scene.
+// Lists an island's dependent rows in its report. Of the rows that a pair replaces, these are the rows outside the
+// pair's basis, and those whose row of the pair is dependent in the reduced scene.
 void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t island, IslandReport& report) {
   const std::vector<int>& solved = r.data->report.islands[island].dependent_rows;
   const auto depends = [&](int row) { return std::binary_search(solved.begin(), solved.end(), row); };
@@ -109,7 +110,7 @@ void name_dependent_rows(const SceneData& data, const Reduction& r, std::size_t 
   std::sort(report.dependent_rows.begin(), report.dependent_rows.end());
 }
 
-// Sets the reduced scene's solution to the refined solution (a, f), y = Q^T S^-1 f, for derivatives.
+// Sets the reduced scene's solution to the refined (a, f), with pairs' forces y = Q^T S^-1 f, for derivatives.
 void take_refined(const SceneData& data, Reduction& r) {
   r.data->a = data.a;
   each_single(data, r, [&](int from, int to, int rows) { r.data->f.segment(to, rows) = data.f.segment(from, rows); });

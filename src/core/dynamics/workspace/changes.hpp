@@ -11,7 +11,7 @@ inline void take_changes(const Contact& from, Contact& to) {
   to.B.placement = from.B.placement;
 }
 
-/// Copies all but contacts. `to` contains the robots, wrenches and springs of `from` once or several times.
+/// Copies all but contacts' properties. `to` contains robots, wrenches and springs of `from` once or several times.
 inline void take_changes(const Scene& from, Scene& to) {
   to.gravity = from.gravity;
   to.damping = from.damping;
@@ -39,7 +39,7 @@ inline void take_changes(const Scene& from, Scene& to) {
   });
 }
 
-inline void take_all_changes(const Scene& from, Scene& to) {  // contacts included
+inline void take_all_changes(const Scene& from, Scene& to) {  // copies those of contacts, too
   take_changes(from, to);
   for (std::size_t c = 0; c < to.contacts.size(); ++c)
     take_changes(from.contacts[c % from.contacts.size()], to.contacts[c]);

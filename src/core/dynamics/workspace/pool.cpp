@@ -46,7 +46,7 @@ bool IslandPool::trim() {
   for (const auto& [shape, entries] : islands_)
     for (const Entry& entry : entries) ages.emplace_back(entry.since, entry.bytes);
   std::sort(ages.begin(), ages.end());
-  std::uint64_t last = 0;  // last use of the newest island to delete
+  std::uint64_t last = 0;  // time of last use of the newest island to delete
   for (std::size_t k = 0, left = bytes_; left > most / 2; ++k) left -= ages[k].second, last = ages[k].first;
   for (auto& [shape, entries] : islands_)
     std::erase_if(entries, [&, last](const Entry& entry) {

@@ -16,7 +16,7 @@ class IslandPool {
  public:
   std::size_t most = std::size_t(256) << 20;
 
-  std::unique_ptr<IslandWork> take(const IslandShape& shape);        // removes an island of this shape, or nullptr
+  std::unique_ptr<IslandWork> take(const IslandShape& shape);        // removes, returns one of this shape, or nullptr
   void give(std::unique_ptr<IslandWork> island, std::uint64_t now);  // now: Workspace::layout, as time of last use
   void clear();
   /// Above `most` bytes, deletes the least recently used down to half of `most`. Returns whether any were deleted.

@@ -27,7 +27,7 @@ void pool_island(Workspace& w, std::unique_ptr<IslandWork> island) {
   w.pool.give(std::move(island), w.layout);
 }
 
-Options options_of_islands(const Workspace& w) {  // any order will do with a reduction: only views use these
+Options options_of_islands(const Workspace& w) {  // a reduction uses them only for views, so any order will do
   Options options = w.options;
   if (w.reduction) options.method = Method::kSparseLdl, options.order = Order::kLeafToRoot;
   return options;
@@ -46,7 +46,7 @@ std::unique_ptr<IslandWork> take(const Scene& scene, Workspace& w, Island& islan
   return out;
 }
 
-void make_first_systems(const Scene& scene, Workspace& w) {  // allocates systems tried first, except batches
+void make_first_systems(const Scene& scene, Workspace& w) {  // allocates the systems to be tried first, but no batches
   for (const auto& island : w.islands) {
     IslandWork& d = *island;
     if (d.bodies) {

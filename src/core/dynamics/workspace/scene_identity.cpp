@@ -65,7 +65,7 @@ std::string SceneIdentity::difference(const Scene& scene) const {
   for (std::size_t r = 0; out.empty() && r < models_.size(); ++r) out = difference_of_robot(scene, r);
   for (std::size_t c = 0; out.empty() && c < contacts_.size(); ++c) out = difference_of_contact(scene, c);
   if (!out.empty()) return out;
-  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // all may be removed
+  return has_applied_forces(scene) ? difference_of_forces(scene) : "";  // wrenches and springs may all be removed
 }
 
 std::string SceneIdentity::difference_of_forces(const Scene& scene) const {

@@ -22,7 +22,7 @@ class SceneIdentity {
   struct OfContact {
     ContactType type;
     int robot_A, joint_A, robot_B, joint_B;
-    SE3<double> place;  // placement on A
+    SE3<double> place;  // the contact frame's placement on body A
     Vec3<double> axis;
   };
   static const char* changed(const OfContact& was, const Contact& is);

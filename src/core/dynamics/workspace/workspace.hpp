@@ -63,7 +63,7 @@ struct ProductWork {
   struct OfRobot {
     std::vector<BodyVariation> body;               // njoints: tangents (jvp) or adjoints (vjp) of bodies' motions
     std::vector<Vec6<double>> u;                   // njoints: virtual velocities
-    std::vector<Vec6<double>> fext, dfext, f, df;  // njoints
+    std::vector<Vec6<double>> fext, dfext, f, df;  // njoints: forces on bodies, and their changes
     std::vector<double> w;                         // nv: change of the torques
   };
   explicit ProductWork(const Scene& scene);
@@ -128,7 +128,8 @@ struct Workspace {
   OnDemand<ContactData<double>> contacts;  // constraint rows, at the bias accelerations
   std::vector<std::uint64_t> rows_state;   // one entry per contact: the `state` at which its rows were evaluated
 
-  // Pairs: ContactData::left, set with the rows. left_offset: where a contact's numbers begin in `left`; -1: no pair.
+  // left: ContactData::left of all pairs (contacts that represent several), set with the rows. left_offset: where a
+  // contact's numbers begin in `left`; -1: no pair.
   std::vector<int> left_offset;
   std::vector<double> left;
 

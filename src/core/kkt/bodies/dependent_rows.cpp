@@ -47,7 +47,7 @@ template <class Use>
 void each_vanishing_row(const BodySystem& s, std::vector<Basis>& bases, Use&& use) {
   const BodyPattern& p = *s.pattern;
   bool known = false;  // whether `bases` are computed
-  // Whether force G on a node drives any coordinate. Visits the joints from the node to the base until an entry of J is
+  // Whether a force G on a node drives any coordinate. Visits joints from the node to the base until an entry of J is
   // certainly nonzero. After kManyJoints joints, compares the force with the basis of the body's motions.
   const auto moves = [&](int node, V6 G) {
     double largest = 0, size = 0;
@@ -98,7 +98,8 @@ class Balance {
     for (int k = 0; k < count_; ++k) F_[k] = pairs::force_from(F_[k], s_.r[node_]);
     node_ = p.parent[node_];
   }
-  /// Solves, and calls put(row, coefficient) for each row, 1 for the first. Returns false if the forces cannot balance.
+  /// Solves for the row coefficients, 1 for the first row, and calls put(row, coefficient) for each. Returns false if
+  /// the forces cannot balance.
   template <class Put>
   bool solve(Put&& put) {
     for (int k = 0; k < 6; ++k) balance([&](const V6& F) { return F[k]; });
@@ -143,8 +144,8 @@ class Balance {
   double largest_ = 0;
 };
 
-// Computes the null-space column of a dropped row from rows with an immovable end, not dropped at drop.node or earlier,
-// on the bodies from its own node to drop.node. Returns false if these do not balance it.
+// Computes a dropped row's column of J^T's null space, from rows with an immovable end on the bodies from its own node
+// to drop.node, not dropped at drop.node or earlier. Returns false if these do not balance the row.
 template <class Put>
 bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vector<int>& dropped_at, Put&& put) {
   const BodyPattern& p = *s.pattern;
@@ -162,7 +163,7 @@ bool null_column(const BodySystem& s, const BodyLdl::Drop& drop, const std::vect
   return false;
 }
 
-// Computes the null space, a column per dropped row, the last first; removes entries in rows dropped later.
+// Computes a basis of J^T's null space: a column per dropped row, the last first, with no entry in rows dropped later.
 bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work) {
   const BodyPattern& p = *s.pattern;
   rank::DependentRows& rows = work.rows;
@@ -205,7 +206,7 @@ bool find_null_space(const BodySystem& s, const BodyLdl& d, BodyDependence& work
   return rows.largest_entry <= tolerance::kLargestEntry;
 }
 
-// Sets x.motion to the bodies' accelerations for b.motion and qdd = 0, and subtracts the rows' from x.rows.
+// Sets x.motion to the bodies' accelerations for b.motion and qdd = 0, and subtracts those along the rows from x.rows.
 void take_away(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
   const BodyPattern& p = *s.pattern;
   for (int i = 0; i < p.nodes; ++i) {
@@ -228,7 +229,8 @@ void balance_bodies(const BodySystem& s, const BodyVectors& b, BodyVectors& x) {
     if (p.parent[i] >= 0) x.force[p.parent[i]] += pairs::force_from(x.force[i], s.r[i]);
 }
 
-// Lists in `rows` the redundant rows from node i to immovable bodies: others, chosen by largest remainder, span them.
+// Lists in `rows` those rows between node i and immovable bodies that the others span. The others are chosen one by
+// one, each with the largest part that is independent of those chosen before.
 void find_rows_others_say(const BodySystem& s, const BodyLdl& d, int i, std::vector<BodyDependence::OnBody>& rows) {
   const BodyPattern& p = *s.pattern;
   const auto share = [](const BodyDependence::OnBody& r) { return r.F.norm() / r.length; };
@@ -295,7 +297,7 @@ sparse::Refinement solve_dependent(const BodySystem& system, BodyLdl& ldl, BodyS
   (void)solve_refined(system, ldl, v, max_steps);
   rank::project_out(work.rows, v.x.rows.data());
   balance_bodies(system, v.b, v.x);
-  // The bodies' forces were computed again, with other rows: the backward error has other rounding errors.
+  // The bodies' forces were computed again, from the projected y, so that the backward error has other rounding errors.
   double error = backward_error(system, v.b, v.x, v.residual);
   return sparse::refine(
       max_steps, tolerance::kRefined, [&] { return error; },

@@ -42,7 +42,7 @@ namespace {
 using V6 = Vec6<double>;
 using M6 = Mat6<double>;
 
-// The rows open at one node, in positions 0 ... m-1 (BodyLdl).
+// The rows open (not yet eliminated) at one node, in positions 0 ... m-1, with their entries of the arrays of BodyLdl.
 struct Rows {
   int m, ld;
   int* row;
@@ -96,7 +96,7 @@ int open_row(Rows& at, int k, std::vector<int>& place) {
   return place[k] = n;
 }
 
-// Collects the rows open at node i: those with an end there, and those that its children did not eliminate.
+// Collects the rows open (not eliminated) at node i: those with an end there, and those its children did not eliminate.
 void gather_rows(const BodySystem& system, BodyLdl& d, int i) {
   const BodyPattern& s = *system.pattern;
   d.count[i] = 0;
@@ -254,7 +254,7 @@ bool eliminate_rows(const BodyPattern& s, BodyLdl& d, int i, Rows& at, M6& P) {
   return true;
 }
 
-// Factorizes the dense E y = -g of rows still open at the bases. Returns false if a pivot is not sound.
+// Factorizes the dense E of E y = -g, for rows that no node eliminated. Returns false if a pivot is not sound.
 bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   Rows at{0, s.most_at_base, d.base_row.data(), nullptr, nullptr, nullptr, d.base_E.data()};
   for (int i = 0; i < s.nodes; i = s.end[i]) {
@@ -296,8 +296,8 @@ bool eliminate_base(const BodyPattern& s, BodyLdl& d) {
   return true;
 }
 
-// Whether open row k at node i is a combination of the rows that constrain body i: the row is in their span, which has
-// the orthonormal basis `along`, and the joints below gave the row no sound pivot.
+// Whether row k, not yet eliminated at node i, is a combination of the rows that constrain body i: it is in their span,
+// which has the orthonormal basis `along`, and the joints below gave it no sound pivot.
 template <class Q>
 bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, int k, const Q& along) {
   const int row = at.row[k];
@@ -307,7 +307,8 @@ bool says_nothing_new(const BodyPattern& s, const BodyLdl& d, int i, Rows& at, i
   return (G - along * (along.transpose() * G).eval()).norm() <= tolerance::kRank * G.norm();
 }
 
-// Replaces C by N C N, G_j by N G_j at a constrained node i (BodyHold). drop: drops rows that depend on its rows.
+// At a node i that rows G = Q R constrain, replaces its children's inertia C by N C N plus the share kHeldKept of C's
+// part along Q, and other rows G_j by N G_j, with N = 1 - Q Q^T (BodyHold). drop: drops rows that depend on the rows G.
 void project(const BodySystem& system, BodyLdl& d, int i, bool drop, Rows& at) {
   const BodyPattern& s = *system.pattern;
   if (s.hold[i] < 0) return;

@@ -10,7 +10,7 @@ HeldRows held_rows(const BodyPattern& s, const BodyLdl& d, int node) {
   return out;
 }
 
-// Computes Q and R by Gram-Schmidt orthogonalisation.
+// Computes the factors Q R of the rows that constrain a node, by Gram-Schmidt orthogonalisation.
 bool factorize_hold(const BodySystem& system, int node, const int* row, int count, BodyHold& h) {
   h.rows = 0;
   if (system.delta > 0 || count == 0) return false;

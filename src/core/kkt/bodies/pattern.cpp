@@ -82,7 +82,7 @@ Ends find_ends(const BodyPattern& p) {
   return ends;
 }
 
-// Estimates how many rows are open at each node (open_squared, open_updates, open_at_base).
+// Estimates the rows open (not yet eliminated) at each node, for open_squared, open_updates and open_at_base.
 void count_open(BodyPattern& p, Ends ends) {
   std::vector<double> left(p.nodes, 0);  // one number per node: complete rows that its children did not eliminate
   for (int i = p.nodes - 1; i >= 0; --i) {
@@ -100,7 +100,7 @@ void count_open(BodyPattern& p, Ends ends) {
   }
 }
 
-// Computes the largest number of rows that may be open at each node, and offsets of the memory for these rows.
+// Computes how many rows may at most be open (not yet eliminated) at each node, and offsets of the memory for them.
 void make_room(BodyPattern& p, Ends ends) {
   std::vector<int>& waiting = ends.arriving;
   std::vector<int> complete(p.nodes);

@@ -7,8 +7,8 @@ namespace {
 
 using V6 = Vec6<double>;
 
-// Adds to p and to the g_j of open rows at node i the effect of a_g, the acceleration that the node's constraint rows
-// prescribe, and projects p (BodyHold).
+// Adds to the bias force p, and to the right-hand sides g_j of rows not yet eliminated at node i, the effect of a_g,
+// the acceleration that the node's constraint rows prescribe. Then projects p (BodyHold).
 void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
   const BodyHold& h = d.hold[s.hold[i]];
@@ -37,7 +37,8 @@ void backward_hold(const BodySystem& system, BodyLdl& d, const BodyVectors& b, i
   }
 }
 
-// Eliminates joint and rows of node i from the right-hand sides, updates g of open rows, and returns p for the parent.
+// Eliminates the joint and rows of node i from the right-hand sides, updates g of rows that remain, and returns the
+// bias force p that the parent gets.
 template <int N>
 V6 backward(const BodySystem& system, BodyLdl& d, const BodyVectors& b, int i) {
   const BodyPattern& s = *system.pattern;
@@ -111,7 +112,7 @@ void balance(const BodySystem& system, const BodyLdl& d, const BodyVectors& b, i
   for (int k = 0; k < h.rows; ++k) x.rows[own.row[k]] = y[k];
 }
 
-// Computes y of the rows open at the bases, by their dense factor, and sets y of dropped rows to zero.
+// Computes y of the rows that no node eliminated, by their dense factor, and sets y of dropped rows to zero.
 void solve_base(BodyLdl& d, int most, BodyVectors& x) {
   for (const BodyLdl::Drop& drop : d.found) x.rows[drop.row] = 0;
   const int m = static_cast<int>(d.base_row.size());

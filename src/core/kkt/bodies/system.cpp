@@ -45,7 +45,7 @@ using pairs::Two, pairs::max, pairs::sizes;
 
 double reach(const Vec3<double>& r) { return std::max({std::abs(r[0]), std::abs(r[1]), std::abs(r[2])}); }
 
-// Computes the residual r of a_i = X a_p + S_i qdd_i + c_i, and its largest terms, linear and angular, as `scale`.
+// Computes the residual r of a_i = X a_p + S_i qdd_i + c_i, p the parent, and its largest linear and angular `scale`.
 template <int N>
 [[gnu::always_inline]] inline void motion_equation(const BodySystem& s, const BodyVectors& b, const BodyVectors& x,
                                                    int i, V6& r, Two& scale) {

@@ -9,7 +9,8 @@ namespace manycontact {
 
 namespace {
 
-// Calls copy(x, b) for each entry x of a row-major panel's columns and its b of B: column-major, elimination order.
+// Calls copy(x, b) for each entry x in columns of a row-major panel X, with its entry b of B, a column-major panel with
+// rows in elimination order.
 template <class Copy>
 void each_entry(const KktPattern& p, double* X, int ld, int first, int cols, std::vector<double>& B, Copy&& copy) {
   const std::size_t n = p.size();

@@ -62,7 +62,7 @@ class DenseSchurFactor final : public Factor {
     internal::join(*pattern_, a_, y_, x);
   }
 
-  void solve_panel(double* X, int ld, int first, int cols, char*) override {  // the explicit inverse, as in Crocoddyl
+  void solve_panel(double* X, int ld, int first, int cols, char*) override {  // an explicit K^-1, as in Crocoddyl
     invert();
     auto panel = Eigen::Map<RowMajor>(X, pattern_->size(), ld).middleCols(first, cols);
     const RowMajor product = inverse_ * panel;

@@ -25,7 +25,7 @@ class LdlFactor final : public Factor {
     return waits_ ? factorize_waiting(K, scratch) : factorize_all(K, scratch);
   }
 
-  // Overwrites x with (I - P) K_kept^-1 (I - P) x (rank/dependent_rows.hpp).
+  // Overwrites x with (I - P) K_kept^-1 (I - P) x. P: projector on J^T's null space; K_kept: no dropped rows.
   void solve(double* x) override {
     rank::project_out(dependence_, x);
     solve_kept(x);
@@ -79,7 +79,8 @@ class LdlFactor final : public Factor {
     for (int k : dependence_.Ni) rows[ldl_.pattern->perm[k] - ldl_.pattern->nv] = 1;
   }
 
-  // The error grows with the squares of coefficients z, and with sums of as many terms as a cluster has entries.
+  // P's error grows with the squares of coefficients z of dependent rows, and with sums of as many terms as a cluster
+  // has entries (rank/dependent_rows.hpp).
   double projector_error() const override {
     const double z = dependence_.largest_projected, sums = dependence_.largest_cluster;
     return tolerance::kBoundRounding * std::numeric_limits<double>::epsilon() * (1 + z * z) * std::sqrt(sums);

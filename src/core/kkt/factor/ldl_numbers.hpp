@@ -13,7 +13,7 @@ namespace manycontact::internal {
 /// The factors L and D of K, and solves, by the compiled schedule for kSparseLdl if it is not too large.
 struct LdlNumbers {
   std::shared_ptr<const KktPattern> pattern;
-  const sparse::LdlSchedule* schedule = nullptr;  // the pattern's schedule; nullptr: functions of sparse/ldl.hpp
+  const sparse::LdlSchedule* schedule = nullptr;  // nullptr: functions of sparse/ldl.hpp are used
   std::vector<double> L, D;
   std::vector<char> nonzero;  // scratch: flags of rows
   std::vector<int> same;  // the identity permutation 0, 1, 2 ...

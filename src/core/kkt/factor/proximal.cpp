@@ -1,5 +1,5 @@
 // Part of ProximalFactor (proximal.hpp) that tests with random vectors which rows are in the null space of J^T, and how
-// often E must be applied.
+// often the operator E = delta (S + delta)^-1 must be applied to project on this null space.
 
 #include "proximal.hpp"
 

@@ -139,8 +139,8 @@ class ProximalFactor final : public Factor {
     stiffer_ = ldl_.D;
   }
 
-  // Lists dependent rows in dropped_ by their pivots over delta or, if ambiguous, by their change with delta. False:
-  // the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known, which saves a factorization.
+  // Lists dependent rows in dropped_ by the ratios of pivots to delta or, if ambiguous, by their change with delta.
+  // False: the rank is in doubt. If in_doubt_ was set at the last state, stiffer_ is known: a factorization is saved.
   bool find_dependent_rows(FactorScratch& scratch) {
     const KktPattern& p = *ldl_.pattern;
     const bool known = std::exchange(in_doubt_, false);
@@ -185,8 +185,8 @@ class ProximalFactor final : public Factor {
     return true;
   }
 
-  // X <- E X for the first `cols` columns of a row-major panel with row stride ld. Row k of K is row row[k] of X, or
-  // row k if row is nullptr. The rows of M are zero before and after.
+  // X <- E X (file header) for the first `cols` columns of a row-major panel with row stride ld. Row k of K is row
+  // row[k] of X, or row k if row is nullptr. The rows of M are zero before and after.
   void apply(double* X, int ld, int cols, const int* row) {
     std::fill(nonzero_.begin(), nonzero_.end(), 1);
     row ? ldl_.solve_panel(X, ld, 0, cols, nonzero_.data()) : ldl_.solve_in_order(X, ld, cols);
@@ -221,7 +221,7 @@ class ProximalFactor final : public Factor {
   LdlNumbers ldl_;
   const KktMatrix* K_ = nullptr;
   double delta_ = 0;
-  std::vector<char> in_null_space_;            // flags of the rows in some null vector, in K's order
+  std::vector<char> in_null_space_;            // flags of rows with entries in J^T's null space, in K's order
   std::vector<int> dropped_;                   // dependent rows, numbered as rows of J
   std::vector<double> damped_;                 // values of K_delta
   std::vector<double> stiffer_;                // pivots with delta times kStiffer, in K's order

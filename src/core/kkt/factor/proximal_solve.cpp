@@ -6,7 +6,8 @@
 
 namespace manycontact::internal {
 
-// Removes P y from y by y -= E^k y, repeated until y stops changing. Adds P y to null_component if it is given.
+// Subtracts P y from y, P the projector on J^T's null space, by y -= E^k y, repeated until y stops changing. Adds P y
+// to null_component if it is given.
 void ProximalFactor::project_out(double* y, double* null_component) { project(y, null_component, kEps); }
 
 void ProximalFactor::project(double* y, double* null_component, double left) {
@@ -42,21 +43,21 @@ void ProximalFactor::give_columns(double* X, int ld, int first, int cols) const 
   for (std::ptrdiff_t k = 0; k < ldl_.pattern->size(); ++k) std::copy_n(&X_[k * kChunk], cols, X + k * ld + first);
 }
 
-// W_ <- E^times X_, in the contact rows.
+// W_ <- E^times X_ in the contact rows, for the first `cols` columns. E: the operator of proximal.hpp's file header.
 void ProximalFactor::apply_to_columns(int cols, int times) {
   const KktPattern& p = *ldl_.pattern;
   std::fill_n(W_.begin(), static_cast<std::ptrdiff_t>(p.nv) * kChunk, 0.0);
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k) std::copy_n(&X_[k * kChunk], cols, &W_[k * kChunk]);
   for (int k = 0; k < times; ++k) apply(W_.data(), kChunk, cols, p.perm.data());
 }
-// X_ -= W_, in the rows in which null vectors have entries.
+// X_ -= W_, in the rows in which vectors of J^T's null space have entries.
 void ProximalFactor::take_out_of_columns(int cols) {
   const KktPattern& p = *ldl_.pattern;
   for (std::ptrdiff_t k = p.nv; k < p.size(); ++k)
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the null-space part of X_ down to `left` of it; each pass leaves rounding errors of `each` of it.
+// Removes the part of X_ in J^T's null space down to its share `left`; each pass leaves the share `each` as rounding.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {
@@ -101,8 +102,8 @@ void ProximalFactor::solve_panel(double* X, int ld, int first, int cols, char*) 
   }
 }
 
-// Refines first without removing P b from b. If P b is zero, residuals decrease to rounding errors. Otherwise residuals
-// end at P b, and each step adds P b / delta to the forces; the solve is then repeated with b - P b.
+// Refines first without removing P b, b's part in J^T's null space. If P b is zero, residuals decrease to rounding
+// errors. Otherwise they end at P b, and each step adds P b / delta to forces; the solve is then repeated with b - P b.
 sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors& v, int) {
   std::fill(v.null_component.begin(), v.null_component.end(), 0.0);
   sparse::Refinement refinement = refine(K, v);
@@ -130,7 +131,7 @@ sparse::Refinement ProximalFactor::solve_refined(const KktMatrix& K, KktVectors&
   return refinement;
 }
 
-// P b -= (J^T)^+ J^T P b removes rounding errors in J's range, which S's least eigenvalue would amplify.
+// Subtracts (J^T)^+ J^T P b from P b: its rounding errors in J's range, which S's least eigenvalue would amplify.
 void ProximalFactor::refine_contradiction(KktVectors& v) {
   std::fill(v.x.begin(), v.x.end(), 0.0);
   sparse::residual(ldl_.pattern->K, K_->values.data(), v.null_component.data(), v.x.data(), v.r.data(), v.scale.data());

@@ -69,7 +69,7 @@ sparse::Refinement Factor::solve_refined(const KktMatrix& K, KktVectors& v, int 
 
 namespace {
 
-// Returns the largest error |R| / (|K|_1 |X| + |B|) of a column, where R = B - K X. sums: memory for three rows.
+// Returns the largest error |R| / (|K|_1 |X| + |B|) of a panel's columns, R = B - K X. sums: memory for three rows.
 double column_error(const KktMatrix& K, int ld, const double* B, const double* X, const double* R,
                     std::vector<double>& sums) {
   sums.resize(std::max<std::size_t>(K.size(), 3 * static_cast<std::size_t>(ld)));
