@@ -103,7 +103,8 @@ class Probe {
   const SceneData& data_;
   const Eigen::VectorXd& q_;
   internal::AtRest& rest_;
-  // zz_: dJ[z] z; plus_ and minus_: Jdot v for v = z + y and for v = z - y
+  // zz_: dJ[z] z; plus_ and minus_: Jdot v for v = z + y and for v = z - y; terms_: bias_terms of AtRest, the magnitude
+  // of these vectors' terms; change_: change_of_null of n_
   Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;
 };
 
