@@ -78,7 +78,7 @@ void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, co
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
-/// Overwrites the current line of standard error if that is a terminal. An empty text clears the line.
+/// Overwrites the current line of standard error by `text` if that is a terminal. An empty text clears the line.
 void progress(const std::string& text);
 
 // ---- output files -------------------------------------------------------------------------------------------------

@@ -30,7 +30,7 @@ class Plot {
     }
   }
 
-  // Returns the values on the axis that get a mark and a number.
+  // Returns the values on the vertical axis that get a mark and a number.
   marks() {
     if (this.log) {
       const step = Math.max(1, Math.ceil((this.high - this.low) / 4)), marks = [];

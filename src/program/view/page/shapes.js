@@ -1,6 +1,6 @@
 // Draws robots: each body is a group that the recorded frames move; its shapes are in the body's axes.
 
-// Makes the geometry of a shape, along z, once for all copies of a robot.
+// Makes the geometry of a shape, with its axis along z. All copies of a robot share it.
 function makeGeometry(shape, meshes) {
   const [a, b, c] = shape.size;
   if (shape.shape === 'box') return new THREE.BoxBufferGeometry(a, b, c);
@@ -25,7 +25,7 @@ class Robots {
     this.data = data;
     this.bodies = [];  // groups that frames move, of all robots
     this.robotOf = [];  // index of each body's robot
-    this.shapes = [];  // meshes; userData has their robot
+    this.shapes = [];  // one three.js mesh per shape; its userData contains its robot
     this.materials = new Map();
     this.opacity = 1;
     const geometries = data.models.map((model) => model.shapes.map((shape) => makeGeometry(shape, data.meshes)));
@@ -59,7 +59,7 @@ class Robots {
     });
   }
 
-  // Islands are numbered in the order in which they appear, so that a colour stays with its island.
+  // Numbers islands in the order of their first frames, so that an island keeps its colour through the motion.
   nameIslands() {
     this.islands = new Map();
     for (const island of this.data.frames.islands)
