@@ -51,7 +51,7 @@ class Watch {
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
 
   struct Applied;  // computes the power of external wrenches and dampers [W], with the wrenches of `sim`
-  std::unique_ptr<Applied> applied_;  // null if there are no wrenches and dampers
+  std::unique_ptr<Applied> applied_;  // null if the scene has no external wrenches and springs
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;

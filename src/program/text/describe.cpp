@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostRobotLines = 24;  // most lines about robots; if there are more groups, equal ones share lines
+constexpr std::size_t kMostRobotLines = 24;  // most lines about robots; with more groups, equal ones share lines
 
 // Returns a text such as ", wrenches: 2, springs: 3", or "" if the scene has neither.
 std::string applied_forces(const Scene& scene) {

@@ -61,7 +61,7 @@ class AtRest {
   Status worst() const { return worst_; }                    // worst status of all solves
   const Eigen::VectorXd& forces() const { return data_.f; }  // forces of the last solve
 
-  /// Returns the placement error of the contacts at q, one entry per constraint row, which Baumgarte gains would correct.
+  /// Returns the placement error of each constraint row of the contacts at q, which Baumgarte gains would correct.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
     return of_contacts(q, nullptr,
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });

@@ -48,7 +48,7 @@ void NormalMatrix::factorize(const Eigen::SparseMatrix<double>& J, const std::ve
     if (counts[j]) A_[at] += x[a] * x[b];
   });
   for (const int at : diagonal_) A_[at] += mu;
-  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // cannot fail: A is positive definite
+  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // A > 0: cannot fail
 }
 
 void NormalMatrix::solve(Eigen::VectorXd& y) {

@@ -13,7 +13,7 @@ std::string to_string(LimitKind quantity) {
 
 namespace {
 
-// Returns whether x exceeds `limit` by more than a rounding error: 1e-9 times the larger of |limit| and a finite `range`.
+// Returns whether x exceeds `limit` by more than a rounding error: 1e-9 times the larger of |limit| and a finite range.
 bool beyond(double x, double limit, double range) {
   return x > limit + 1e-9 * std::max(std::abs(limit), std::isfinite(range) ? range : 0);
 }

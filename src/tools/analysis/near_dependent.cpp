@@ -44,7 +44,8 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   return out;
 }
 
-// Changes a solution a, f to that without `rows`, by accelerations of these rows with which their forces are zero.
+// Changes a solution a, f to the solution without the constraint rows `rows`. It adds the responses to accelerations of
+// these rows, which are chosen such that the forces of these rows become zero.
 void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
                Eigen::VectorXd& f) {
   const auto m = static_cast<Eigen::Index>(rows.size());

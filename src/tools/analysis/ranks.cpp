@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation, which takes a second or two
 constexpr int kMostThresholds = 4;   // most trial values of the threshold RowRemainders::dependent
-constexpr double kSamePoint = 1e-9;  // points closer than this, relative to the extent of all points, coincide
+constexpr double kSamePoint = 1e-9;  // points coincide if closer than this times the larger of 1 m and the largest |p|
 
 struct Examined {
   const Scene& scene;

@@ -169,9 +169,9 @@ class Builder {
     return {append(std::move(base), link), {}};
   }
 
-  // Adds the joint of a step to the model and returns the placement of the reached link. A joint moves its child by T(q)
-  // in the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent = oMchild T(q)^-1 X^-1. T(q)^-1 is
-  // the motion by q about or along -axis.
+  // Adds the joint of a step to the model and returns the placement of the reached link. A joint moves its child by
+  // T(q) in the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent = oMchild T(q)^-1 X^-1. T(q)^-1
+  // is the motion by q about or along -axis.
   Place cross(const Step& step) {
     const urdf::Joint& joint = *step.joint;
     const Place& parent = step.from;

@@ -27,7 +27,7 @@ namespace {
 
 constexpr double kSmaller = 0.7;  // factor by which each trial shortens a step
 constexpr int kMostTrials = 60;
-constexpr double kFast = 10;        // springs with a larger h^2 k / m are fast: the linear equations dissipate their energy
+constexpr double kFast = 10;        // springs with a larger h^2 k / m are fast: the linear step dissipates their energy
 constexpr double kRounding = 1e-9;  // rounding errors of the energies of fast springs, relative to these energies
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }

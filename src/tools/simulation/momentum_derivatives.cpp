@@ -19,7 +19,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // centre of mass from the reference point
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // centre of mass, from its reference
 
 // Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>

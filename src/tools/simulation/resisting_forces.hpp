@@ -17,7 +17,7 @@ struct BoundedEnergy {
   Eigen::ArrayX2d account;  // columns: energy springs may still give, its maximum; kept between steps; NaN: unknown
   std::vector<int> cluster;
   Eigen::VectorXd before, without;    // energy of bodies: at the start; after a step without springs, minus other work
-  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest that they can contain
+  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest they contain after the next
   Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
   Eigen::VectorXd kinetic, relative;  // kinetic energy at the step's end; its part relative to the rigid motions
   std::vector<OneBody> bodies;        // one entry per free cluster

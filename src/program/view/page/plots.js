@@ -3,7 +3,7 @@
 const kMargin = {left: 58, right: 10, top: 20, bottom: 16};
 
 class Plot {
-  // series: [{name, colour, values}]; log: the axis is logarithmic, with values of 0 at the bottom.
+  // series: [{name, colour, values}]; log: the vertical axis is logarithmic; 0 is at its bottom.
   constructor(canvas, title, times, series, log, seek) {
     Object.assign(this, {canvas, title, times, series, log});
     this.range();
