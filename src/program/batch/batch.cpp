@@ -24,7 +24,7 @@ struct BatchRun {
   std::string name;
   bool islands = false;
   std::unique_ptr<NpyInput> states;
-  std::vector<NpyOutput> out;  // files of [a f status], and of derivatives if requested
+  std::vector<NpyOutput> out;  // file with rows [a f status], and file of derivatives if requested
   std::unique_ptr<BatchData> data;
   std::int64_t count = 0, block = 0;  // numbers of states: in all, per block
 
@@ -39,7 +39,7 @@ struct BatchRun {
 struct StateBlock {
   BatchMatrix in, out, q, v, u, a, f, d;
   std::vector<Status> status;
-  std::vector<double> row;  // a row of derivatives
+  std::vector<double> row;  // one row of the file of derivatives
 
   void resize(const BatchRun& run, std::int64_t n) {
     const Scene& scene = run.part.scene;
@@ -205,7 +205,7 @@ int run_batch(const Arguments& arguments) {
 
 int run_batch(const Arguments& arguments, Communicator& communicator) {
   BatchRun run;
-  // Runs a step that may fail in some of the processes only.
+  // Runs a part of this function that may fail in some of the processes only. Then all processes end.
   const auto together = [&communicator](auto&& step) {
     std::exception_ptr error;
     try {

@@ -26,7 +26,8 @@ class Communicator {
   virtual std::string told(const std::string& text) { return text; }
   /// Replaces the numbers by their sums over all processes, in every process.
   virtual void sum(std::vector<std::int64_t>& numbers) { (void)numbers; }
-  /// collect gives rank 0 each number of the only process where it is not zero; largest gives rank 0 the maxima.
+  /// collect gives rank 0 each number, which only one process has and the others set to zero. largest gives rank 0 the
+  /// maximum of each number over all processes.
   virtual void collect(double* numbers, std::int64_t count) { (void)numbers, (void)count; }
   virtual void largest(std::vector<int>& numbers) { (void)numbers; }
 };

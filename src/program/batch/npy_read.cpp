@@ -41,7 +41,8 @@ std::string as_json(const std::string& python) {
   return out;
 }
 
-// Reads the header dictionary. Returns false unless it has exactly the three keys of NumPy's format, in any order.
+// Parses the dictionary in a file's header. Returns false unless it has exactly the three keys of NumPy's format, in
+// any order.
 bool parse(const std::string& text, Header& out) {
   const Json json = Json::parse(as_json(text), nullptr, false);
   if (!json.is_object() || json.size() != 3) return false;

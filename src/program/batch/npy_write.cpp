@@ -10,7 +10,7 @@ std::string npy_header(const std::vector<std::int64_t>& shape) {
   std::string text = "{'descr': '<f8', 'fortran_order': False, 'shape': (";
   for (std::size_t k = 0; k < shape.size(); ++k) text += (k > 0 ? ", " : "") + std::to_string(shape[k]);
   text += shape.size() == 1 ? ",), }" : "), }";
-  constexpr std::size_t kBefore = 10, kAligned = 64;  // bytes before the dictionary; alignment of the data
+  constexpr std::size_t kBefore = 10, kAligned = 64;  // bytes before the header's dictionary; alignment of the data
   text.append(kAligned - (kBefore + text.size()) % kAligned, ' ');
   text.back() = '\n';
   std::string out("\x93NUMPY\x01\x00", 8);

@@ -76,7 +76,7 @@ ScenePart part_of(const Scene& scene, int number, int parts) {
     first_row[c] = part.nf;
     part.nf += active[c] ? scene.contacts[c].rows() : 0;
   }
-  // Contacts are copied, because add_contact would normalise axes again.
+  // Contacts are copied, because add_contact would normalise their axes again and so change them.
   for (int c : members.contacts) {
     Contact contact = scene.contacts[c];
     contact.A.robot = own_robot[contact.A.robot];

@@ -74,11 +74,12 @@ std::vector<ChartRow> list_rows(const Scene& scene);
 /// Sets the times of the rows to medians over rounds. Each round measures every candidate once, so that changes of the
 /// machine's speed affect all candidates. Slow candidates are left out of later rounds.
 void measure_solve(const SceneFile& file, std::vector<Candidate>& candidates, const ChartLimits& limits);
-/// Measures derivatives; requires measure_solve. Calls `first` once per candidate while its derivatives are available.
+/// Sets the times of derivatives in the rows; requires measure_solve. Calls first(candidate) once while its
+/// derivatives are available.
 void measure_derivatives(std::vector<Candidate>& candidates, const ChartLimits& limits,
                          const std::function<void(Candidate&)>& first);
 
-/// Overwrites the current line of standard error if that is a terminal. An empty text clears the line.
+/// Overwrites the current line of standard error by `text` if that is a terminal. An empty text clears the line.
 void progress(const std::string& text);
 
 // ---- output files -------------------------------------------------------------------------------------------------

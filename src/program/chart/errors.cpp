@@ -28,7 +28,8 @@ std::vector<int> rows_of(const Scene& scene, const Island& island, int robot, bo
   return rows;
 }
 
-// Scales of derivatives that are all zero: per robot, its accelerations without contacts and the forces on it.
+// Magnitudes relative to which derivatives that are all zero have errors. They are the robot's largest acceleration
+// without contacts, and the largest contact force on it.
 struct Scales {
   std::vector<double> a, f;  // one entry per robot
 };
@@ -62,7 +63,8 @@ double island_error(const Scene& scene, const ChartTruth::OfIsland& truth, const
   return error;
 }
 
-// Indices of an island's rows [a; f] and columns [q | v | u] in a panel, which is that of the island or of the scene.
+// Indices of an island's rows [a; f] and columns [q | v | u] in the matrix of derivatives, which is that of this
+// island, or of the whole scene if the method does not split it.
 struct PanelPlaces {
   std::vector<int> rows, columns;
 };

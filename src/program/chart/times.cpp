@@ -15,9 +15,9 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kRounds = 201;
-constexpr double kTurn = 200;        // time per round and candidate for repeated calls, at least one [us]
-constexpr double kNoWarmUp = 300e3;  // if the first call takes longer, it counts, without warm-up [us]
-constexpr double kLarge = 4e6;       // larger derivatives are released between rounds [bytes]
+constexpr double kTurn = 200;        // calls of a candidate are repeated in each round until they took this time [us]
+constexpr double kNoWarmUp = 300e3;  // if the first call takes longer, its time counts, and there is no warm-up [us]
+constexpr double kLarge = 4e6;       // matrices of derivatives above this size are released between rounds [bytes]
 
 // Measures a call in one round: calls it once to warm up, and returns the median time of repeated calls.
 template <class Call>

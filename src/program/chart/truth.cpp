@@ -16,7 +16,7 @@ namespace {
 constexpr int kWholeUpTo = 60;    // largest nv of an island with derivatives along all unit vectors
 constexpr int kDirections = 4;    // number of random directions in each of q, v and u for larger islands
 constexpr int kDenseSize = 150;   // most unknowns for which the dense solver replaces a missing sparse factor
-constexpr double kAtRest = 1e-4;  // smaller accelerations, relative to those without contacts, count as zero
+constexpr double kAtRest = 1e-4;  // smaller accelerations of a robot, relative to those without contacts, are zero
 
 Eigen::MatrixXd directions(int n, bool whole, std::mt19937& rng) {
   if (whole) return Eigen::MatrixXd::Identity(n, n);

@@ -12,7 +12,7 @@ namespace manycontact::cli {
 
 namespace {
 
-// A signal handler may access only these data, which are in static memory, with atomic flags.
+// Data of the signal handler. It may access only these, because they are in static memory and have atomic flags.
 constexpr int kMostFiles = 64;
 std::array<std::array<char, PATH_MAX>, kMostFiles> names;
 std::array<std::atomic<bool>, kMostFiles> removed_by_signals{};

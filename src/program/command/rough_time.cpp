@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kFlop = 9e-5;        // time per multiply-add of Eigen's products and LLT [us]
 constexpr double kSlowFlop = 2.2e-4;  // time per multiply-add of a rank-revealing decomposition, by column [us]
-constexpr double kCall = 5;           // time per island [us]
+constexpr double kCall = 5;           // time per island in addition [us]
 
 double cube(double x) { return x * x * x; }
 
@@ -51,7 +51,7 @@ double rough_time_of_derivatives(const Scene& scene, const SceneData& data) {
     return sum_over_islands(data, [](const Island& island) { return 20 * kFlop * cube(island.size()); });
   if (data.options.method != Method::kDenseSchur) return 0;
   const double n = scene.nv + static_cast<double>(data.f.size());
-  return kFlop * (2 * cube(n) + 2 * n * n * (2 * scene.nv + scene.nu));  // K^-1, times all right-hand sides
+  return kFlop * (2 * cube(n) + 2 * n * n * (2 * scene.nv + scene.nu));  // K^-1; product with all right-hand sides
 }
 
 }  // namespace manycontact::cli

@@ -22,7 +22,7 @@ void add_inertia(const Scene& scene, const SceneData& data, int robot, int offse
   add_block(M, offset, offset, out);
 }
 
-// Adds the rows of J of a contact, and their transpose, to K. The contact's J has columns for A, then for B.
+// Adds a contact's rows of J, and their transpose, to K. The contact's J has columns for A, then for B.
 void add_rows(const Scene& scene, const SceneData& data, const Island& island, int contact, int row, Triplets& out) {
   const Contact& c = scene.contacts[contact];
   const MatX<double>& J = contact_data(scene, data, contact).J;
@@ -79,7 +79,7 @@ Eigen::MatrixXd derivative_right_hand_sides(const Eigen::SparseMatrix<double>& K
   d.check();
   Eigen::MatrixXd dx = d.X.leftCols(d.cols);
   if (!dx.allFinite()) return {};
-  dx.bottomRows(d.nc) *= -1;  // the unknowns are x = [a; -f]
+  dx.bottomRows(d.nc) *= -1;  // the unknowns of the exported system are x = [a; -f]
   return product(K, dx);
 }
 

@@ -9,7 +9,7 @@ namespace manycontact::cli {
 namespace {
 
 constexpr int kMostSteps = 40;        // most refinement steps; each gains digits if eps |K| |K^-1| is below 1
-constexpr double kConverged = 1e-20;  // largest relative last correction of a solution that is accepted
+constexpr double kConverged = 1e-20;  // a solution is accepted if its last correction, relative to x, is below this
 constexpr double kMostDigits = 32;    // the residual of many terms loses about two of 34 digits
 
 VecX<Quad> residual(const Eigen::SparseMatrix<double>& K, const Eigen::VectorXd& b, const VecX<Quad>& x) {

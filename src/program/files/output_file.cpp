@@ -60,7 +60,7 @@ void OutputFile::begin() {
   struct stat old {};
   const bool replaces = stat(target_.c_str(), &old) == 0;
   if (!replaces && errno != ENOENT) return;
-  // This must fail, because rename would replace even a read-only file.
+  // A read-only target must be refused here, because rename would replace it.
   if (replaces && access(target_.c_str(), W_OK) != 0) return;
   constexpr std::string_view kEnd = ".part";
   std::string name = (fs::path(target_).parent_path() / "manycontact-XXXXXX").string().append(kEnd);

@@ -26,7 +26,7 @@ struct Off {  // the largest position and velocity errors of a contact and its c
   double position = 0, angle = 0, linear = 0, angular = 0;
 };
 
-// Returns errors as text, such as "0.1 m, 0.02 rad, 0.5 m/s", or "0" if the contacts are in place and at rest.
+// Returns a contact's errors as text, such as "0.1 m, 0.02 rad, 0.5 m/s", or "0" if it is in place and at rest.
 std::string off_by(const Off& off) {
   std::string text;
   const auto add = [&text](double size, double least, const char* unit) {

@@ -131,7 +131,7 @@ void print_contact_groups(std::ostream& out, const Inspection& x) {
 
 void print_memory(std::ostream& out, const Inspection& x) {
   const Scene& scene = x.file.scene;
-  double derivatives = 0;  // size of [da; df] of all islands, with columns of q, v, u
+  double derivatives = 0;  // number of entries of [da; df] of all islands, with columns of q, v, u
   for (const IslandKind& kind : x.kinds) {
     const Island& island = x.island(kind);
     double columns = 2.0 * island.nv;

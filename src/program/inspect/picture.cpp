@@ -28,7 +28,7 @@ std::vector<int> rows_in_scene(const Scene& scene, const SceneData& data, const 
   return places.v;
 }
 
-// Adds all islands, and once each pattern that islands share.
+// Adds all islands to the JSON for the picture, and once each pattern that islands share.
 void add_islands(const Inspection& x, Json& to) {
   const SceneData& solved = data_solved(x.data);
   std::map<const KktPattern*, std::size_t> numbers;

@@ -24,7 +24,7 @@ TimeTable::TimeTable(const std::string& path, const std::string& prefix, const s
   CsvReader csv(path);
   std::unordered_map<std::string, int> index;
   for (std::size_t i = 0; i < names.size(); ++i) index.emplace(names[i], static_cast<int>(i));
-  std::vector<std::size_t> cell;  // index in the file's rows of each column in columns_
+  std::vector<std::size_t> cell;  // one entry per entry of columns_: index of its cell in a row of the file
   for (std::size_t k = 0; k < csv.names().size(); ++k) {
     const std::string& title = csv.names()[k];
     if (!title.starts_with(prefix)) continue;

@@ -15,7 +15,7 @@ class TimeTable {
   TimeTable(const std::string& path, const std::string& prefix, const std::vector<std::string>& names);
 
   bool empty() const { return columns_.empty(); }
-  /// Sets the coordinates that have a column to the values of the last row up to t, or does nothing before the first
+  /// Sets those entries of x that have a column to the values of the last row up to t, or does nothing before the first
   /// row. With `between`, values are interpolated between rows, and constant before the first row.
   void at(double t, bool between, Eigen::VectorXd& x) const;
   /// Computes the slope of each column's interpolation at t. It is 0 before the first row, and from the last row on.
@@ -24,7 +24,7 @@ class TimeTable {
   const std::vector<int>& columns() const { return columns_; }
 
  private:
-  std::vector<int> columns_;  // coordinates
+  std::vector<int> columns_;  // index in x of each column's coordinate
   std::vector<double> t_, values_;
 };
 

@@ -36,7 +36,7 @@ struct Run {  // the options of the command line, and the results of the run
   bool interrupted = false;
   Invariants start, end, largest;  // `largest` has the largest constraint errors of all written states
   double seconds = 0;
-  SpringStep shortest;  // the spring or joint with the shortest largest step at the start
+  SpringStep shortest;  // the spring or joint that needs the shortest steps at the start
   Findings at_start;    // findings at the start; later also nearly dependent rows, and joints whose lack of inertia
                         // ended the run
   std::optional<Recording> view;
@@ -67,7 +67,7 @@ Run run_of(const Arguments& arguments) {
   return run;
 }
 
-struct Around {  // the inputs and observers of a simulation
+struct Around {  // what a simulation reads (torques, wrenches, switches) and what observes it (Watch, forces file)
   Control control;
   Watch watch;
   std::optional<Switches> switches;
@@ -98,7 +98,7 @@ Eigen::VectorXd with_pd(const Scene& scene, const SimulationData& sim, Eigen::Ve
   return u;
 }
 
-// Writes the forces at the last state. For these it makes one more step, and then restores the state.
+// Writes the contact forces at the last state. To compute them, makes one more step, and then restores the state.
 void write_last_forces(const Scene& scene, Around& around, SimulationData& sim) {
   const Eigen::VectorXd q = sim.q, v = sim.v;
   const long steps = sim.steps;

@@ -95,7 +95,7 @@ bool Switches::apply(Scene& scene, SimulationData& sim, double tolerance) {
   const VelocityJump jump = switch_contacts(scene, active, sim);
   std::vector<std::string> closed;
   for (const Event* event : closing)
-    // This is false if a later event of the same time switches the contact off again.
+    // The contact is not active if a later event of the same time switches it off again.
     if (active[event->first]) closed.push_back(event->contact + (held.contains(event) ? " (on before)" : ""));
   if (!closed.empty()) blows_.push_back({t, join(closed, 4), jump, placement_errors(scene, sim.q, on)});
   return jump.status != Status::kFailed;

@@ -45,7 +45,8 @@ std::vector<int> key_of(const TurningRows& x, const std::vector<int>& group) {
 int member_of(const LimitPassed& x) { return x.robot; }
 int member_of(const auto& x) { return x.contact; }
 
-// Merges the findings of a step that started at t into `seen`, which keeps the first time and worst finding per key.
+// Merges the findings of a step that started at t into `seen`, which keeps per key_of a finding the first time and
+// the worst finding.
 template <class Found, class Seen>
 void take(const std::vector<Found>& found, double t, std::map<std::vector<int>, Seen>& seen) {
   for (const Found& x : found) {
@@ -62,7 +63,8 @@ std::vector<const Seen*> by_time(const std::map<std::vector<int>, Seen>& seen) {
   return out;
 }
 
-// Prints a line per group of copies with first time, members and worst finding. names(...) names several members.
+// Prints a line per kind of finding and group of copies: first time, members (contacts or robots) and worst finding.
+// names(...) returns one name for several members.
 template <class Seen, class Names>
 void print_copies(std::ostream& out, const Scene& scene, const std::map<std::vector<int>, Seen>& seen,
                   const std::string& most, const std::vector<int>& group, Names&& names) {
@@ -183,7 +185,7 @@ double Watch::gained_energy(const Invariants& start, const Invariants& end, doub
 
 void Watch::print_energy(std::ostream& out, const Scene& scene, const SimulationData& sim, double gained,
                          const Invariants& start, const Invariants& end, double most_kinetic) const {
-  constexpr double kRounding = 1e-12;  // rounding error, relative to the total energy
+  constexpr double kRounding = 1e-12;  // rounding error of an energy, relative to the total energy at the start
   if (-spring_work_ > std::max({kGained * most_kinetic, kGained * (start.potential - end.potential),
                                 kRounding * std::abs(start.energy())}))
     wrap(out,

@@ -20,7 +20,7 @@ class Watch {
   /// Checks a step that started at t from q, v with torques u and ended in the state of `sim`.
   void look(const Scene& scene, double t, const Eigen::VectorXd& q, const Eigen::VectorXd& v, const Eigen::VectorXd& u,
             const SimulationData& sim);
-  /// Returns true in the first call for each set of active contacts of `sim`.
+  /// Returns true if no earlier call had the same set of active contacts in `sim`.
   bool is_new(const SimulationData& sim) { return judged_.insert(sim.dynamics.active).second; }
   /// Finds nearly dependent rows at the state of `sim` with torques u, and adds them to the findings `to`.
   void judge_rows(const Scene& scene, const Eigen::VectorXd& u, const SimulationData& sim, Findings& to);
@@ -51,7 +51,7 @@ class Watch {
                     const Invariants& start, const Invariants& end, double most_kinetic) const;
 
   struct Applied;  // computes the power of external wrenches and dampers [W], with the wrenches of `sim`
-  std::unique_ptr<Applied> applied_;  // null if there are no wrenches and dampers
+  std::unique_ptr<Applied> applied_;  // null if the scene has no external wrenches and springs
 
   double work_ = 0, friction_work_ = 0, push_work_ = 0, spring_work_ = 0;
   PostureData posture_;

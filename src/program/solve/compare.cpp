@@ -10,7 +10,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kPatience = 2.5e5;  // predicted time above which dense solves are left out [us]
+constexpr double kPatience = 2.5e5;  // dense solves with a longer predicted time are left out [us]
 
 // Returns the worst deviation over the robots for which both methods have a solution.
 Deviation worst_known(std::vector<Deviation> deviations) {

@@ -18,7 +18,7 @@ std::vector<std::string> chosen(const std::vector<std::string>& names, const std
 }
 
 struct Largest {
-  double value = 0, error = 0;  // largest entry; largest error bound of the islands
+  double value = 0, error = 0;  // largest entry of a matrix of derivatives; largest error bound of all islands
   std::string row, column;
 
   template <class Block>

@@ -66,7 +66,7 @@ Json quality_entry(const SystemQuality& of) {
           {"signature", {of.positive, of.negative, of.zero}}};
 }
 
-// Returns the lowest precision of all islands, or the requested precision if there are no islands.
+// Returns the lowest precision that an island was solved with, or the requested precision if there are no islands.
 Precision least_precision(const Report& report, Precision asked) {
   Precision least = report.islands.empty() ? asked : report.islands.front().precision;
   for (const IslandReport& island : report.islands) least = std::min(least, island.precision);

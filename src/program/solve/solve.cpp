@@ -118,7 +118,7 @@ int run_solve(const Arguments& arguments) {
   solved.compare = arguments.has("--compare");
   if (arguments.has("--quasi-static")) {
     solved.quasi_static_u = quasi_static(file.scene, file.q, &solved.unbalanced);
-    // The findings of the file already contain this for robots with u="gravity".
+    // For robots with u="gravity", the findings of the file already report that they do not remain at rest.
     for (const Unbalanced& x : solved.unbalanced)
       if (!std::ranges::binary_search(file.gravity_robots, x.robot)) solved.findings.unbalanced.push_back(x);
   }

@@ -115,7 +115,7 @@ std::string times(const SolvedScene& s) {
          number(s.time.solve) + " us" + (s.repeat > 1 ? " (medians of " + std::to_string(s.repeat) + ")" : "");
 }
 
-// Prints one fact per line. It is used if all islands have equal results.
+// Prints one result per line, for all islands together. It is used if all islands have equal results.
 void print_one_kind(std::ostream& out, const SolvedScene& s, const Alike& kind) {
   const IslandReport& r = kind.report;
   const auto line = [&out](std::string title, const std::string& text) {

@@ -51,7 +51,8 @@ std::vector<int> active_contacts(const SolvedScene& s) {
   return active;
 }
 
-// Returns for each robot the sum of its contact forces, in world axes. The last entry is the sum of the world's forces.
+// Returns for each robot the sum of the contact forces on it, in world axes. The last entry is the sum of the forces
+// that the world exerts on all robots.
 std::vector<Vec3<double>> contact_force_on(const SolvedScene& s) {
   const Scene& scene = s.file.scene;
   const RigidBodies bodies(scene);

@@ -39,7 +39,7 @@ struct EnergyRun {  // one run of the energy chart
   EnergyRow last = {};  // last row of energy.csv
   StepStatus stopped = StepStatus::kOk;
   long steps = 0;      // completed steps
-  double kinetic = 0;  // largest kinetic energy [J]
+  double kinetic = 0;  // largest kinetic energy during the run [J]
 };
 
 // Rates omega [1/s] of critically damped gains alpha = omega^2, beta = 2 omega. 0 means no gains.

@@ -4,7 +4,7 @@ namespace manycontact::cli {
 
 std::string why_changed(const Choice& choice, const IslandReport& report) {
   if (report.status == Status::kFailed) return "no solution: " + to_string(report.reason);
-  // kUncertain is left out, because a later check of the solution may remove this reason.
+  // The reason kUncertain is not printed, because a later check of the solution may remove it.
   const std::string reason = report.reason == Reason::kUncertain ? "" : " (" + to_string(report.reason) + ")";
   if (!report.dependent_rows.empty() && report.method == Method::kSparseLdl)
     return report.reason == Reason::kNone ? ""

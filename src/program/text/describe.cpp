@@ -9,7 +9,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr std::size_t kMostRobotLines = 24;  // most lines, and most kinds of notes
+constexpr std::size_t kMostRobotLines = 24;  // most lines about robots; with more groups, equal ones share lines
 
 // Returns a text such as ", wrenches: 2, springs: 3", or "" if the scene has neither.
 std::string applied_forces(const Scene& scene) {
@@ -83,7 +83,7 @@ void print_heading(std::ostream& out, const SceneFile& file, const SceneData& da
            number(scene.damping) + ", " + count(scene.nv, "velocity") + ", " + count(data.f.size(), "contact row") +
            " in " + count(count_islands(scene, data), "island") + applied_forces(scene),
        0);
-  Lines lines;  // robots with the same text share one line
+  Lines lines;  // copies share one line; so do neighbouring groups with equal cells if there are many groups
   const bool many = file.robot_groups.size() > kMostRobotLines;
   for (const RobotGroup& group : file.robot_groups) {
     const Model& model = *scene.robots[group.first].model;

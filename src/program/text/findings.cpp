@@ -19,7 +19,7 @@ std::string joint_name(const Scene& scene, const LimitPassed& limit) {
   return robot.name + "/" + dof_name(*robot.model, limit.dof);
 }
 
-// Prints the names of the contacts in `list`, such as "left, right". If there are several, also prints the worst.
+// Prints the contacts of the findings in `list`, such as "left, right". If there are several, also prints the worst.
 template <class List, class Size, class Say>
 void print_contacts(std::ostream& out, const Scene& scene, const List& list, const std::string& title, Size&& size,
                     Say&& say) {
@@ -62,7 +62,8 @@ std::string place(const Finding& finding) {
          std::to_string(finding.line) + ")";
 }
 
-// Prints the findings of files. There are a few texts per kind, each with the names and lines to which it refers.
+// Prints the findings about robots' files by kind, only a few texts of each kind. A text is printed once, with the
+// names and lines to which it refers.
 void print_files(std::ostream& out, const std::vector<Finding>& findings) {
   std::map<std::string, std::vector<std::string>> texts;   // key: kind; each text once
   std::map<std::string, std::vector<std::string>> places;  // key: kind and text

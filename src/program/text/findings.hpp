@@ -34,7 +34,7 @@ struct Findings {
   std::vector<NearlyDependent> near_dependent;
   std::vector<std::string> velocity_names;  // names of all velocity coordinates; empty if there are no rank_changes
   std::vector<std::string> close_rows;      // descriptions of islands whose rank decision is not reliable
-  double rank_gap = std::numeric_limits<double>::infinity();  // smallest gap of all islands; infinite if unknown
+  double rank_gap = std::numeric_limits<double>::infinity();  // smallest rank_gap of all islands; infinite if unknown
 
   bool empty() const {
     return files.empty() && unbalanced.empty() && misplaced.empty() && moving.empty() && violations.empty() &&

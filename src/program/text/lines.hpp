@@ -5,7 +5,7 @@
 
 namespace manycontact::cli {
 
-struct Line {     // a line of a table, ranked by `size`
+struct Line {     // a line of a table; lines with the largest `size` are printed
   int group = 0;  // number of the group of copies that the line belongs to
   std::string first, last;
   std::vector<std::string> cells;

@@ -12,9 +12,9 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Loads the triangles of an STL or OBJ file in the file's unit, or of a COLLADA file in metres. No vertices are
-/// shared. A separate program, manycontact-mesh (mesh_main.cpp), reads the file, because malicious files may crash
-/// assimp. Throws InputError, also if manycontact-mesh is missing.
+/// Loads the triangles of an STL or OBJ file in the file's unit, or of a COLLADA file in metres. Triangles
+/// share no vertices. A separate program, manycontact-mesh (mesh_main.cpp), reads the file, because malicious files may
+/// crash assimp. Throws InputError, also if manycontact-mesh is missing.
 Mesh load_mesh(const std::string& path);
 
 /// Returns a mesh of at most `most_triangles` triangles. Merges the vertices in each cell of a grid, which is as fine

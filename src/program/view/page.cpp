@@ -1,4 +1,5 @@
-// Writes the page, which consists of its parts, and of the scene and the frames as JSON with numbers in base64.
+// Writes the page. It consists of its parts (HTML, CSS, scripts), and of JSON with the scene and the recorded frames,
+// whose numbers are in base64.
 
 #include "page.hpp"
 
@@ -91,7 +92,7 @@ void check_size(const Recording& r) {
   const double frames = static_cast<double>(r.t.size());
   const double bytes = 4. / 3 *
                        (4. * static_cast<double>(r.positions.size()) + 2. * static_cast<double>(r.quaternions.size()) +
-                        20. * static_cast<double>(r.points.size()) +  // also normals, forces and placements of contacts
+                        20. * static_cast<double>(r.points.size()) +  // points, normals, forces, held
                         4. * static_cast<double>(r.wrenches.size() + r.springs.size()));
   if (bytes > kLargestPage)
     throw UsageError("the page would have " + number(bytes / 1e6) + " MB with " + number(frames, 6) +

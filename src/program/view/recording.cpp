@@ -74,7 +74,7 @@ void record_contacts(const ViewState& state, Recording& r) {
     for (int k = 0; first >= 0 && k < contact.rows(); ++k) {
       if (dependent[first + k]) flags |= Recording::kRedundant;
       const bool known = std::isfinite(r.dynamics.f[first + k]);
-      // Only rows of the linear force count, because it is drawn.
+      // Only rows of the linear force count, because moments are not drawn.
       if (k < 3 && known && !unique[first + k]) flags |= Recording::kShared;
     }
     std::optional<Vec3<double>> force;
@@ -97,7 +97,8 @@ void record_forces(Recording& r) {
     for (const Attachment* end : {&spring.A, &spring.B}) append(placement_of(*end, r).p, r.springs);
 }
 
-// Records each robot's island as the number of the first robot of the island, so that colours survive other changes.
+// Records each robot's island as the number of the first robot of the island, so that its colour does not change
+// if other islands change.
 void record_islands(Recording& r) {
   std::vector<std::int32_t> first(island_count(r.dynamics), -1);
   for (int robot = 0; robot < r.scene->nrobots(); ++robot) {

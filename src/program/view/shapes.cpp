@@ -54,8 +54,8 @@ int mesh_number(const std::string& urdf, const std::string& name, Meshes& meshes
   return at->second;
 }
 
-// Returns a capsule from the body's origin to p, in the body's frame, or a ball if p is the origin. The centre of the
-// round end is at p, or, with `ends`, the tip of the capsule is at p.
+// Returns a capsule from the body's origin to p, in the body's frame, or a ball if p is the origin. The centre of its
+// half ball is at p, or, with `ends`, the outermost point of the half ball is at p.
 Json capsule(int body, Vec3<double> p, double radius, bool ends) {
   if (ends && p.norm() > 0) p *= 1 - radius / p.norm();
   const double length = p.norm();
@@ -116,7 +116,7 @@ Json names_of_bodies(const Model& model) {
 Json model_of(const std::string& urdf, const Model& model, Meshes& meshes) {
   std::unordered_map<std::string, const Frame*> frames;
   for (const Frame& frame : model.frames) frames.emplace(frame.name, &frame);
-  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // one entry per body, base first
+  std::vector<char> drawn(model.joints.size() + 1), short_of(drawn.size());  // flags per body, base first
   Json shapes = Json::array();
   for (const Visual& visual : load_visuals(urdf)) {
     const auto found = frames.find(visual.link);

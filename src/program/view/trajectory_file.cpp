@@ -76,7 +76,7 @@ void read_trajectory(const std::string& path, const std::optional<std::string>& 
   std::optional<Forces> forces_file;
   if (forces) forces_file.emplace(*forces, scene);
 
-  const std::vector<char> active = recording.dynamics.active;  // the scene's flags, which are the initial ones
+  const std::vector<char> active = recording.dynamics.active;  // flags of the contacts that are active in the scene
   while (row.next()) {
     ViewState state{row.t(), numbers(row, q), numbers(row, v), active};
     if (const std::string why = unusable_configuration("q", state.q, scene, kUnitLength); !why.empty()) row.fail(why);

@@ -10,7 +10,7 @@ namespace manycontact::cli {
 
 namespace {
 
-constexpr double kMostRate = 1000;  // Hz
+constexpr double kMostRate = 1000;  // largest number of frames per second
 
 void print_written(std::ostream& out, const std::string& path, const Recording& recording,
                    const std::vector<std::string>& notes) {

@@ -10,7 +10,7 @@
 
 namespace manycontact::cli {
 
-/// A state of the motion. If neither `forces` nor torques `u` for a solve are given, the page shows no forces.
+/// A state of the motion. The page shows the forces of a solve with torques `u`, if given, or else `forces`, or none.
 struct ViewState {
   double t = 0;  // s
   Eigen::VectorXd q, v;

@@ -38,7 +38,8 @@ State read_state(const Scene& scene, const SceneData& data) {
   return s;
 }
 
-// Returns the roots of the largest subtrees in which `is` is true for all joints, each with its number of other joints.
+// Returns the roots of the largest subtrees in which `is` is true for all joints. Each root has the number of the other
+// joints in its subtree.
 template <class Test>
 std::vector<std::pair<int, int>> whole_subtrees(const Model& model, Test&& is) {
   std::vector<char> whole(model.joints.size());

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMostItems = 40;
 
-// Returns " (63 more identical islands)", or "" if there are none.
+// Returns " (63 more identical islands)" for more = 63 and what = "island", or "" if `more` is 0.
 std::string and_more(std::size_t more, const std::string& what) {
   return more == 0 ? "" : " (" + count(more, "more identical " + what) + ")";
 }

@@ -27,7 +27,8 @@ inline std::vector<int> rows_of(const Scene& scene, const SceneData& data, std::
   each_row(scene, data, island, [&](int row) { rows.push_back(row); });
   return rows;
 }
-/// Returns a bound of the change that errors of J cause in an island's n, J^T n = 0. change: AtRest::change_of_null.
+/// Returns a bound of the change that rounding errors of J cause in an island's n, where J^T n = 0. change: the result
+/// of AtRest::change_of_null.
 inline double change_in(const Scene& scene, const SceneData& data, std::size_t island, const Eigen::VectorXd& n,
                         const Eigen::VectorXd& change) {
   double sum = 0, most = 0;
@@ -60,7 +61,7 @@ class AtRest {
   Status worst() const { return worst_; }                    // worst status of all solves
   const Eigen::VectorXd& forces() const { return data_.f; }  // forces of the last solve
 
-  /// Returns the placement error of each constraint row, which Baumgarte gains would correct.
+  /// Returns the placement error of each constraint row of the contacts at q, which Baumgarte gains would correct.
   Eigen::VectorXd errors(const Eigen::VectorXd& q) const {
     return of_contacts(q, nullptr,
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.a0; });
@@ -69,7 +70,8 @@ class AtRest {
     return of_contacts(q, v.data(),
                        [](const Contact&, const ContactData<double>& d) -> Eigen::VectorXd { return d.W * d.nu; });
   }
-  /// Returns Jdot v. The bias a0 has one more term, except in 6D contacts, if the contact's frames move relatively.
+  /// Returns Jdot v. The bias a0 of the solver has one more term, except in 6D contacts, if the contact's frames move
+/// relative to each other.
   Eigen::VectorXd bias(const Eigen::VectorXd& q, const Eigen::VectorXd& v) const {
     return of_contacts(q, v.data(), [](const Contact& c, const ContactData<double>& d) -> Eigen::VectorXd {
       Vec6<double> rate = d.nudot;

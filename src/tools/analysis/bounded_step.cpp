@@ -48,7 +48,7 @@ void NormalMatrix::factorize(const Eigen::SparseMatrix<double>& J, const std::ve
     if (counts[j]) A_[at] += x[a] * x[b];
   });
   for (const int at : diagonal_) A_[at] += mu;
-  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // A is positive definite
+  (void)sparse::ldl_factor(pattern_, symbolic_, A_.data(), work_, L_.data(), D_.data());  // A > 0: cannot fail
 }
 
 void NormalMatrix::solve(Eigen::VectorXd& y) {
@@ -57,8 +57,9 @@ void NormalMatrix::solve(Eigen::VectorXd& y) {
   for (Eigen::Index i = 0; i < y.size(); ++i) y[i] = permuted_[iperm_[i]];
 }
 
-// The free coordinates are x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e + J_fixed x_fixed). The fixed
-// coordinates are at a bound. The gradient with respect to them is mu (J^T y + x), because J x + e = mu y.
+// Coordinates of x that are not at a bound are free: x_free = -J_free^T y with y = (J_free J_free^T + mu 1)^-1 (e +
+// J_fixed x_fixed). The others are fixed. Half the gradient with respect to them is mu (J^T y + x), because
+// J x + e = mu y.
 void BoundedStep::solve(const Eigen::SparseMatrix<double>& J, const Eigen::VectorXd& e, double mu,
                         const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {
   constexpr int kFullExchanges = 3;  // rounds without progress after which only one wrong bound is exchanged at a time

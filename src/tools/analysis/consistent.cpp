@@ -16,7 +16,7 @@ namespace manycontact {
 namespace {
 
 constexpr int kMostTries = 400;
-constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // floor, least and most [1/kg]
+constexpr internal::Damping kClosingDamping = {0, 1e-8, 1e4};  // damping: floor, least and most [1/kg]
 constexpr double kExact = 1e-14;  // placement errors below this, relative to 1 m + max |q|, are rounding errors
 
 // Returns q with small changes in all coordinates of the robots that have active contacts.

@@ -7,7 +7,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMissed = 1e-8;  // contacts with smaller residuals, relative to the largest, are left out
+constexpr double kMissed = 1e-8;  // contacts with smaller residuals, relative to the largest residual, are not listed
 
 // Returns the residual J a + a0 + delta f of contact c.
 Eigen::VectorXd missed_by(const Scene& scene, const SceneData& data, int c) {

@@ -32,14 +32,14 @@ Vec3d turning(const Vec3d& from, const Vec3d& to) {
   return angle > 1 ? Vec3d(angle * across(from).row(0).transpose()) : Vec3d(Vec3d::Zero());
 }
 
-// A rotation error e, and its Jacobian with respect to the frame's angular velocity in the frame's axes.
+// A rotation error e of a frame, and its Jacobian with respect to the frame's angular velocity in the frame's axes.
 struct Turned {
   Eigen::VectorXd e;
   Eigen::Matrix<double, Eigen::Dynamic, 3> of_spin;
   double angle = 0;  // angle of the rotation that remains to the goal [rad]
 };
 
-// Returns the errors of the prescribed angles among roll, pitch and yaw, with their Jacobian.
+// Returns the errors of those angles among roll, pitch and yaw that `rpy` prescribes, with their Jacobian.
 Turned by_angles(const Mat3d& R, const Partial& rpy) {
   constexpr double kLeastCosine = 1e-3;  // cosine of pitch below which roll and yaw are not defined
   const double pitch = std::asin(std::clamp(-R(2, 0), -1.0, 1.0));

@@ -12,7 +12,7 @@ namespace {
 
 using Key = std::vector<long>;
 
-// Returns a key that is equal for islands of the same shape with the same ranks.
+// Returns a key of `ranks` that is equal for islands of the same shape that have the same ranks.
 Key key_of(const IslandRanks& ranks) {
   Key key{ranks.known, ranks.rank};
   key.insert(key.end(), ranks.redundant.begin(), ranks.redundant.end());

@@ -41,7 +41,7 @@ Descent levenberg_marquardt(const Damping& damping, int most_tries, Eigen::Vecto
   return done;
 }
 
-constexpr double kAside = 1e-3;  // step off a saddle [m, rad]; |e| must decrease by this share to continue
+constexpr double kAside = 1e-3;  // size of the step off a saddle [m, rad], and least relative decrease of |e| after it
 constexpr double kReach = 1;     // longest step of a search from near a saddle, where J is nearly singular [m, rad]
 
 /// Minimises |e|, and leaves saddles such as a straight knee. descend(q) moves q until |e| is stationary. As long as

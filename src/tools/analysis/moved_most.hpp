@@ -7,7 +7,8 @@
 
 namespace manycontact::internal {
 
-/// Returns "; q changed most at r/knee, by 0.1" for what = "q", or "" if all |x| are below kPlacementError.
+/// Returns "; q changed most at r/knee, by 0.1" for what = "q", if the entry of x at r/knee is 0.1 and the
+/// largest. Returns "" if all |x| are below kPlacementError.
 inline std::string moved_most(const std::string& what, const std::vector<std::string>& names,
                               const Eigen::VectorXd& x) {
   Eigen::Index k = 0;

@@ -16,7 +16,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr double kMostUnasked = 1e9;  // largest nv nc^2 of an island that is examined
+constexpr double kMostUnasked = 1e9;  // largest nv nc^2 of an island whose rows are examined
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 // Returns whether an island's rows are examined: the island must be undamped, solved, and not too large.
@@ -24,7 +24,8 @@ bool judged(const Scene& scene, const IslandReport& r) {
   const double work = static_cast<double>(r.nv) * r.nc * r.nc;
   return scene.damping == 0 && r.status != Status::kFailed && r.nc > 0 && work <= kMostUnasked;
 }
-// Returns the gap of one island between the remainders of its independent and dependent rows.
+// Returns an island's gap between the smallest remainder (ranks.hpp) of its independent rows and the largest one of its
+// dependent rows.
 RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   RankGap out;
   out.most_dropped = kEps;
@@ -43,7 +44,8 @@ RankGap gap_of(const Scene& scene, const SceneData& data, std::size_t island) {
   return out;
 }
 
-// Changes a solution a, f to that without `rows`, by accelerations of these rows with which their forces are zero.
+// Changes a solution a, f to the solution without the constraint rows `rows`. It adds the responses to accelerations of
+// these rows, which are chosen such that the forces of these rows become zero.
 void leave_out(const std::vector<int>& rows, const Eigen::VectorXd& q, internal::AtRest& rest, Eigen::VectorXd& a,
                Eigen::VectorXd& f) {
   const auto m = static_cast<Eigen::Index>(rows.size());

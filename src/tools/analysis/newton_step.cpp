@@ -33,7 +33,8 @@ void NewtonStep::precondition(const Eigen::SparseMatrix<double>& J, double mu, c
     if (!free_[i]) z[i] = 0;
 }
 
-// Below, H is the Hessian, g the gradient at x = 0, and r = -(g + H x). The quadratic model decreases by
+// Below, H is the Hessian of |e|^2 / 2, g its gradient at x = 0, and r = -(g + H x). From 0 to x, the quadratic model
+// decreases by
 //     (r - g)^T x / 2
 double NewtonStep::solve(const Eigen::SparseMatrix<double>& J, double size_of_e, const Gradient& gradient,
                          const Eigen::VectorXd& lower, const Eigen::VectorXd& upper, Eigen::VectorXd& x) {

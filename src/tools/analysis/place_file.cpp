@@ -120,7 +120,8 @@ void place(SceneFile& file) {
 
 void place_references(TaskFile& task) {
   const SceneFile& file = task.scene;
-  // Flags of the contacts that the scene places: those active from the start, and those of phases with at="scene".
+  // Flags of the contacts that close where the scene places them, as references do too: contacts active since the
+  // start, and contacts that phases with at="scene" activate.
   std::vector<bool> held(file.scene.contacts.size(), true), before = held;
   const auto find = [&](TaskPhase& phase) {
     for (std::size_t c = 0; c < held.size(); ++c) {

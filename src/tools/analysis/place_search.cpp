@@ -102,7 +102,7 @@ int PlaceSearch::gauss_newton(Eigen::VectorXd& q, int most_tries) {
 
 // Takes Newton steps within a box (trust region) of equal size in radians and metres.
 int PlaceSearch::newton(Eigen::VectorXd& q, int most_tries) {
-  constexpr double kPoor = 0.25, kGood = 0.75;  // outside these ratios of actual to expected decrease, the box changes
+  constexpr double kPoor = 0.25, kGood = 0.75;  // ratios of actual to expected decrease beyond which the box changes
   int tries = 0;
   double radius = 1;
   Eigen::VectorXd e = rows_.errors(q), dq;

@@ -9,7 +9,8 @@
 
 namespace manycontact::internal {
 
-/// Limits of q (infinite if none). moved_by: per entry of q, the velocity coordinate that moves only it, or -1.
+/// Limits of q (infinite if none). moved_by: one entry per entry of q. It is the velocity coordinate that moves only
+/// this entry, or -1 if there is none with a limit.
 struct CoordinateLimits {
   explicit CoordinateLimits(const Scene& scene);
   Eigen::VectorXd within(const Eigen::VectorXd& q) const { return q.cwiseMax(lower).cwiseMin(upper); }
@@ -51,7 +52,7 @@ class PlaceSearch {
   GoalRows rows_;
   int tries_ = 0;
   bool out_of_steps_ = false;
-  double reach_ = std::numeric_limits<double>::infinity();  // bound of the entries of a Gauss-Newton step
+  double reach_ = std::numeric_limits<double>::infinity();  // largest |entry| of a Gauss-Newton step [m, rad]
   Eigen::SparseMatrix<double> J_;
   Eigen::VectorXd of_, low_, high_;  // q at which J_ was computed; bounds of a step from this q
   std::optional<BoundedStep> bounded_;

@@ -13,7 +13,7 @@ namespace {
 constexpr int kRankProbes = 2;
 constexpr double kNoChange = 1e-8;   // smaller values of n^T dJ[z] y, relative to its terms, are rounding errors
 constexpr int kFactors = 3;          // number of factors of n^T dJ[z] y, each of which an error of J may change
-constexpr double kNoMotion = 1e-9;   // smaller projections, relative to the projected vector, count as no motion
+constexpr double kNoMotion = 1e-9;   // smaller projections on J v = 0, relative to the projected vector, are no motion
 constexpr double kMostLooked = 1e5;  // largest contacts times coordinates for which RankChange::coordinate is found
 
 // Test vectors for all islands at once: n_ in the null space of J^T, z_ an allowed motion, y_ any motion. dJ[z] is the
@@ -103,7 +103,8 @@ class Probe {
   const SceneData& data_;
   const Eigen::VectorXd& q_;
   internal::AtRest& rest_;
-  // zz_: dJ[z] z; plus_ and minus_: Jdot v for v = z + y and for v = z - y
+  // zz_: dJ[z] z; plus_ and minus_: Jdot v for v = z + y and for v = z - y; terms_: bias_terms of AtRest, the magnitude
+  // of these vectors' terms; change_: change_of_null of n_
   Eigen::VectorXd n_, z_, y_, zz_, plus_, minus_, terms_, change_;
 };
 

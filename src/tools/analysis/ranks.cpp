@@ -18,8 +18,8 @@ namespace manycontact {
 namespace {
 
 constexpr double kMostWork = 3e9;    // largest nv nc^2 of a dense rank computation, which takes a second or two
-constexpr int kMostThresholds = 4;   // most trial values of RowRemainders::dependent
-constexpr double kSamePoint = 1e-9;  // points closer than this, relative to the extent of all points, coincide
+constexpr int kMostThresholds = 4;   // most trial values of the threshold RowRemainders::dependent
+constexpr double kSamePoint = 1e-9;  // points coincide if closer than this times the larger of 1 m and the largest |p|
 
 struct Examined {
   const Scene& scene;
@@ -192,7 +192,8 @@ BodyPair examine(const Examined& x, const std::vector<int>& positions, double le
   return pair;
 }
 
-// Returns the contact type of equal rank with the fewest rows. least: smallest remainder of an independent row.
+// Returns the contact type that has the fewest rows among those with the given rank at the contact's frame. least:
+// smallest remainder of an independent row.
 std::string lightest(const Contact& contact, const Eigen::MatrixXd& Jt, int rank, double least) {
   if (contact.rows() < 3) return "";
   const auto rank_of_columns = [&](const std::vector<int>& k) { return rank_of(Jt(Eigen::all, k), least); };

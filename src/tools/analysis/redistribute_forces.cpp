@@ -23,7 +23,7 @@ Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& W) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(W).householderQ() * Eigen::MatrixXd::Identity(W.rows(), W.cols());
 }
 
-/// Projects column k of every island's N on the null space of J^T, in one solve of the scene at rest.
+/// Projects column k of every island's N on the null space of J^T, in one solve of the scene with zero velocity.
 void project_column(internal::AtRest& rest, const ConstVectorRef& q, int k, std::vector<IslandBasis>& bases) {
   Eigen::VectorXd w = Eigen::VectorXd::Zero(rest.rows());
   for (const IslandBasis& basis : bases)
@@ -63,7 +63,7 @@ void expect_solved(const char* function, const Scene& scene, const ConstVectorRe
   expect_configuration(function, "q", q, scene);
 }
 
-/// Returns x, or a vector of n entries `otherwise` if x is empty.
+/// Returns x, or a vector of n entries `otherwise` if x is empty. name: the name of x in error messages.
 Eigen::VectorXd given(const char* name, const Eigen::VectorXd& x, Eigen::Index n, double otherwise) {
   if (x.size() == 0) return Eigen::VectorXd::Constant(n, otherwise);
   if (x.size() != n)

@@ -50,7 +50,7 @@ double outside(const Point& c, const std::vector<Point>& polygon) {
   return inside ? 0 : nearest;
 }
 
-struct Ground {        // the contacts of a robot with the ground
+struct Ground {        // a robot's contacts with the world, which are the ground unless `told` is false
   bool told = true;    // whether the robot is supported only by contacts with the ground
   bool soles = false;  // whether there is a 6D contact without a box, whose area is unknown
   std::vector<Attachment> feet;

@@ -14,7 +14,8 @@ struct Leaning {  // a robot whose centre of mass is not above the area that its
 };
 
 /// Returns the leaning robots among those with a floating base that are supported only by ground contacts. `active`
-/// flags the contacts. Returns none unless gravity is along the world's -z. A 6D contact without a box is a foot.
+/// flags the contacts. Returns none unless gravity is along the world's -z. A 6D contact without a box
+/// counts as a human foot.
 std::vector<Leaning> leaning(const Scene& scene, const std::vector<bool>& active, const ConstVectorRef& q);
 
 /// standing_goal returns the goal that the centre of mass is above the middle of the feet. stance_goals returns goals

@@ -10,7 +10,7 @@ namespace manycontact {
 
 namespace {
 
-constexpr int kNullProbes = 2;    // random projections: a nonzero component is 0 in all with probability 1e-18
+constexpr int kNullProbes = 2;    // random projections on the null space of J^T, so that no nonzero component is missed
 constexpr double kNoPart = 1e-9;  // smaller components, relative to the projection's largest, are zero
 
 }  // namespace

@@ -55,7 +55,8 @@ Pressure pressure(const Contact& contact, const double* f, AxesOf& axes_of) {
   return out;
 }
 
-// Returns by how much m_z exceeds the friction at the corners of a box: tau_min <= m_z <= tau_max must hold with
+// Returns by how much the moment m_z exceeds the friction at the corners of a box with edges 2 X and 2 Y, friction mu
+// and normal force n. f is the force, and tau_min <= m_z <= tau_max must hold with
 //   tau_min = -mu (X + Y) n + |Y f_x - mu m_x| + |X f_y - mu m_y|
 //   tau_max =  mu (X + Y) n - |Y f_x + mu m_x| - |X f_y + mu m_y|
 double excess_torque(const double* f, double mu, double X, double Y) {
@@ -81,7 +82,7 @@ std::vector<double> largest_forces(const Scene& scene, const Eigen::VectorXd& f,
 
 void judge_box(const Contact& contact, const double* f, int c, double rounding, std::vector<Violation>& out) {
   const double X = contact.box[0] / 2, Y = contact.box[1] / 2, n = f[2];
-  const double beyond = std::max(std::abs(f[4]) - X * n, std::abs(f[3]) - Y * n);  // N m
+  const double beyond = std::max(std::abs(f[4]) - X * n, std::abs(f[3]) - Y * n);  // moment that tips the box [N m]
   const double lever = std::max(X, Y);
   const double noise =
       rounding * lever + kRoundingOfForces * std::max({std::abs(f[3]), std::abs(f[4]), std::abs(f[5])});

@@ -28,7 +28,7 @@ class ContactReader {
   }
 
  private:
-  // ---- reading an element
+  // ---- reading a <contact> element
 
   ContactElement read(const Element& e) {
     e.allow({"name", "type", "frame", "reference_frame", "offset", "offset_quat_xyzw", "to", "to_offset",
@@ -66,9 +66,9 @@ class ContactReader {
     c.orientation_given = read_quaternion(e, to_robot ? "to_offset_quat_xyzw" : "quat_xyzw", c.B_offset.R);
   }
 
-  // ---- adding copy i
+  // ---- adding copy i of the contact
 
-  // Returns the rotation from the first copy of a robot to copy i.
+  // Returns the rotation in the world from the base of a robot's first copy to that of copy i.
   Mat3<double> turn_of_copy(const End& end, int i) const {
     const auto base = [&](int robot) -> const Mat3<double>& { return out_.scene.robots[robot].base.R; };
     return base(end.first + i) * base(end.first).transpose();

@@ -82,7 +82,7 @@ void add_springs(const std::vector<Element>& elements, SceneFile& out) {
 }
 
 void add_joint_springs(const std::vector<Element>& robots, SceneFile& out) {
-  for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups has one entry per element
+  for (std::size_t g = 0; g < robots.size(); ++g) {  // robot_groups has one entry per <robot> element
     const RobotGroup& group = out.robot_groups[g];
     for (const Element& joint : robots[g].children("joint")) {
       if (joint.has("rest") && !joint.has("stiffness"))

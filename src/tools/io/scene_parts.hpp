@@ -63,7 +63,7 @@ struct End {
   int first = -1;        // the robot, or the first copy
   int count = 1;         // number of copies
   bool copied = false;   // whether the name refers to all copies
-  bool shifted = false;  // whether the name has +k or -k
+  bool shifted = false;  // whether the name contains +k or -k, as "copies+1/link" does
   long long shift = 0;   // the k of +k or -k: copy i of the other end is paired with copy i + k
   Frame frame;
 
@@ -89,7 +89,7 @@ class EndReader {
   /// Reads the end that a required attribute names without +k or -k. The name of a copied robot refers to all copies.
   End read_first(const Element& e, const char* attribute);
   EndPair read_pair(const Element& e);  // reads the attributes frame, to and wrap
-  /// Looks up the robot, or the group of copied robots, that an attribute names. The end's `frame` remains empty.
+  /// Looks up the robot, or the group of copied robots, called `name` in an attribute. The end's `frame` remains empty.
   End robot(const Element& e, const char* attribute, const std::string& name) const;
 
  private:
@@ -97,7 +97,7 @@ class EndReader {
   bool find_shifted(const Where& here, const std::string& text, End& end) const;
   const std::unordered_map<std::string, int>& frames_of(const Model& model);
   const SceneFile& scene_;
-  std::unordered_map<std::string, int> groups_;  // index into robot_groups of copied robots
+  std::unordered_map<std::string, int> groups_;  // key: name of a copied robot; value: its index in robot_groups
   std::unordered_map<const Model*, std::unordered_map<std::string, int>> frames_;
 };
 

@@ -3,7 +3,7 @@
 namespace manycontact::io {
 namespace {
 
-// Reads three numbers, from the attribute `together` or from one attribute each.
+// Reads three numbers, from the attribute `together` (such as xyz) or from one attribute each (such as x, y, z).
 void read_three(const Element& e, const char* together, const std::array<const char*, 3>& apart,
                 const std::array<std::optional<double>*, 3>& out) {
   const auto all = e.numbers<3>(together);
@@ -15,7 +15,7 @@ void read_three(const Element& e, const char* together, const std::array<const c
   }
 }
 
-// Reads the robot or the copies whose centre of mass a pose prescribes.
+// Reads the robot, or the copies of a robot, whose centre of mass a <pose> element prescribes.
 End read_center(const Element& e, EndReader& ends) {
   for (const char* a : {"frame", "offset", "rpy", "roll", "pitch", "yaw"})
     if (e.has(a)) e.refuse(a, " is given with com, expected only x, y, z of the centre of mass");

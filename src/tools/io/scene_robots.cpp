@@ -95,7 +95,7 @@ RobotElement read_robot(const Element& e) {
 // A cache of models by file and options, so that robots with the same file and options share one model.
 class ModelCache {
  public:
-  // Returns the robot's model. Findings are added once for all robots that share a model.
+  // Returns the robot's model. The findings of a URDF file are added once for all robots that share the model.
   std::shared_ptr<const Model> get(const RobotElement& robot, std::vector<Finding>& findings) {
     const UrdfOptions& o = robot.options;
     std::error_code failed;
@@ -161,7 +161,7 @@ void move_base(Eigen::VectorXd& q, const Vec3<double>& translation, double yaw) 
   if (yaw != 0) {
     const double s = std::sin(yaw / 2), c = std::cos(yaw / 2);
     q.head<3>() = rotation_about<double>(Vec3<double>::UnitZ(), yaw) * q.head<3>();
-    // The product of the quaternions (0, 0, s, c) and p, in the order x, y, z, w.
+    // Computes the product of (0, 0, s, c), the quaternion x, y, z, w of the yaw, and p.
     const Eigen::Vector4d p = q.segment<4>(3);
     q.segment<4>(3) << c * p[0] - s * p[1], c * p[1] + s * p[0], c * p[2] + s * p[3], c * p[3] - s * p[2];
   }

@@ -34,7 +34,7 @@ SE3<double> read_base(const Element& robot) {
 
 namespace {
 
-// A part of the state: its letter, the number of values per joint, and the index of the first value of a joint.
+// A part of the state, q, v or u: its letter, the number of values per joint, and the index of a joint's first value.
 struct Quantity {
   const char* letter;
   int (*count)(const Joint&);
@@ -106,7 +106,7 @@ class StateReader {
     return base_given;
   }
 
-  void normalise(Eigen::VectorXd& q) const {  // quaternions of floating joints
+  void normalise(Eigen::VectorXd& q) const {  // normalises the quaternions of floating joints
     for (const Joint& j : model_.joints) {
       if (j.type != JointType::kFloating) continue;
       Where here = robot_.element.where();

@@ -1,4 +1,4 @@
-// Reads activations, and bounds of barriers and constraints.
+// Reads activations (functions of a cost's residual), and bounds of barriers and constraints.
 
 #include <limits>
 

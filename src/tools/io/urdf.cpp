@@ -142,7 +142,7 @@ class Builder {
   }
 
  private:
-  // A step over a joint to `link`, from a link placed at `from`. backwards: from the joint's child link to its parent.
+  // A step of the traversal over a joint to `link`, from a link placed at `from`. backwards: from child to parent.
   struct Step {
     const urdf::Link* link;
     const urdf::Joint* joint = nullptr;  // null for the root
@@ -169,9 +169,9 @@ class Builder {
     return {append(std::move(base), link), {}};
   }
 
-  // Adds the joint of a step to the model and returns the place of the reached link. A joint moves its child by T(q) in
-  // the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent = oMchild T(q)^-1 X^-1, where T(q)^-1 is
-  // the motion by q about or along -axis.
+  // Adds the joint of a step to the model and returns the placement of the reached link. A joint moves its child by
+  // T(q) in the frame X of its parent: oMchild = oMparent X T(q). Backwards, oMparent = oMchild T(q)^-1 X^-1. T(q)^-1
+  // is the motion by q about or along -axis.
   Place cross(const Step& step) {
     const urdf::Joint& joint = *step.joint;
     const Place& parent = step.from;
@@ -392,7 +392,7 @@ class Builder {
   const urdf::ModelInterface& robot_;
   const UrdfOptions& options_;
   const std::string& path_;
-  UrdfDetails& details_;  // the builder appends findings
+  UrdfDetails& details_;  // results of check_urdf; the builder appends findings
   Model model_;
   std::vector<std::string> body_link_;  // name of each joint's body
 };

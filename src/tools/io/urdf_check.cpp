@@ -76,7 +76,7 @@ void check_axis(const Element& joint, UrdfDetails& details) {
     axis->where("xyz").fail("the axis of joint " + quote(name) + " is zero, expected a direction");
 }
 
-// Returns the bound of an attribute. If it is missing or not sound, returns `none` and adds the reason to `told`.
+// Returns the limit in an attribute. If it is missing or is_sound is false, returns `none` and adds a reason to `told`.
 double sound_limit(const Element& limit, const char* attribute, bool is_sound(double), double none, std::string& told) {
   const double x = limit.number_or_infinity(attribute, none);
   if (limit.has(attribute) && is_sound(x)) return x;

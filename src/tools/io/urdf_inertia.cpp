@@ -10,7 +10,7 @@ namespace manycontact::io {
 
 namespace {
 
-std::string brief(double x) {  // six digits
+std::string brief(double x) {  // returns x with six significant digits
   char digits[40];
   return {digits, std::to_chars(digits, digits + sizeof digits, x, std::chars_format::general, 6).ptr};
 }
@@ -26,7 +26,7 @@ InertiaVerdict judge_inertia(const Inertia<double>& Y) {
   const Mat3<double> shift = Y.m * (c.squaredNorm() * Mat3<double>::Identity() - c * c.transpose());
   const Mat3<double> Ic = Y.I - shift;  // rotational inertia about the centre of mass
   const Vec3<double> moments =
-      Eigen::SelfAdjointEigenSolver<Mat3<double>>(Ic, Eigen::EigenvaluesOnly).eigenvalues();  // ascending
+      Eigen::SelfAdjointEigenSolver<Mat3<double>>(Ic, Eigen::EigenvaluesOnly).eigenvalues();  // ascending order
   const double trace = Ic.trace();
   const double rounding = 64 * std::numeric_limits<double>::epsilon() * (Y.I.norm() + shift.norm());
   const double allowed = 1e-9 * std::max(trace, 0.0) + rounding;

@@ -49,7 +49,7 @@ constexpr std::pair<const char*, const char*> kTheirs[] = {{"mu", " friction fri
 const char* meant(const std::string& name, std::initializer_list<const char*> known) {
   for (const auto& [ours, theirs] : kTheirs)
     if (std::string_view(theirs).find(" " + name + " ") != std::string_view::npos && among(ours, known)) return ours;
-  constexpr std::size_t kLeast = 3;  // fewest letters of a beginning
+  constexpr std::size_t kLeast = 3;  // fewest letters of `name` that count as a beginning
   for (const char* k : known)
     if (name.size() >= kLeast && std::string_view(k).starts_with(name)) return k;
   return nullptr;

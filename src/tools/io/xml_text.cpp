@@ -114,7 +114,7 @@ Decoded utf8_at(std::string_view text, std::size_t at) {
     if ((byte(k) & 0xC0) != 0x80) return {};
     c = c << 6 | (byte(k) & 0x3F);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point per length in bytes
+  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};  // least code point of a UTF-8 sequence, by length
   return c < kLeast[length] ? Decoded() : Decoded{c, length};
 }
 
@@ -151,7 +151,7 @@ class Characters {
 
   void check_reference() const {
     const std::size_t end = text_.find_first_of("; \t\r\n<>\"'&", at_ + 2);
-    if (end == std::string_view::npos || text_[end] != ';') return;  // not a reference: the text is kept as it is
+    if (end == std::string_view::npos || text_[end] != ';') return;  // not a reference: & remains as it is
     std::string_view digits = text_.substr(at_ + 2, end - at_ - 2);
     const bool hex = digits.starts_with('x');
     if (hex) digits.remove_prefix(1);
@@ -173,7 +173,8 @@ class Characters {
     at_ += count;
   }
 
-  // Skips a section at the current position. Checks its characters if `checks`, but not its references.
+  // Skips a section at the current position, such as a comment, from `begin` to `end`. Checks its characters if
+  // `checks`, but not its references. Returns false if no section begins here.
   bool section(std::string_view begin, std::string_view end, bool checks) {
     if (text_.compare(at_, begin.size(), begin) != 0) return false;
     const std::size_t found = text_.find(end, at_ + begin.size());

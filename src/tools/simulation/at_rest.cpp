@@ -46,7 +46,7 @@ void SceneAtRest::contact_velocities(const std::vector<int>& f_offset, Eigen::Ve
     ContactData<double>& d = contacts[k];
     contact_rows<double>(scene, contact, {}, kin[contact.A.robot],
                          contact.B.robot < 0 ? nullptr : &kin[contact.B.robot], d);
-    c.segment(f_offset[k], contact.rows()).noalias() = d.W * d.nu;  // J v = W nu
+    c.segment(f_offset[k], contact.rows()).noalias() = d.W * d.nu;  // J v = W nu; nu: relative velocity of the frames
   }
 }
 

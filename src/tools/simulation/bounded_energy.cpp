@@ -1,4 +1,4 @@
-// Bounds the energy that springs between points give.
+// Bounds the energy that springs between points give to the bodies in semi-implicit Euler steps.
 //
 // If bodies rotate far in a step, ends of springs move otherwise than the step's linear equations predict, and errors
 // of stiff springs may accumulate. A cluster is a set of robots coupled by springs and contacts. Each cluster has an
@@ -27,8 +27,8 @@ namespace {
 
 constexpr double kSmaller = 0.7;  // factor by which each trial shortens a step
 constexpr int kMostTrials = 60;
-constexpr double kFast = 10;        // h^2 k / m above which springs lose energy in the linear step
-constexpr double kRounding = 1e-9;  // rounding errors relative to the energy of springs
+constexpr double kFast = 10;        // springs with a larger h^2 k / m are fast: the linear step dissipates their energy
+constexpr double kRounding = 1e-9;  // rounding errors of the energies of fast springs, relative to these energies
 
 int moving_end(const Spring& spring) { return moves(spring.A) ? spring.A.robot : spring.B.robot; }
 
@@ -51,7 +51,7 @@ std::span<const int> groups_of(int cluster, const BoundedEnergy& e) {
   return {e.members.data() + first, static_cast<std::size_t>(e.first[static_cast<std::size_t>(cluster) + 1] - first)};
 }
 
-// Sorts the numbers of the free groups by cluster, into e.members.
+// Sorts the free groups (detail/simulation/momentum.hpp) by the cluster that contains them, into e.members.
 void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
   e.of_group.assign(groups.groups.size(), -1);
   e.first.assign(e.cluster.size() + 1, 0);
@@ -72,7 +72,8 @@ void sort_groups(const FreeGroups& groups, BoundedEnergy& e) {
 
 double& at_robot(Eigen::VectorXd& x, const BoundedEnergy& e, int robot) { return x[e.cluster[robot]]; }
 
-// Computes each cluster's kinetic energy, and its kinetic and gravitational energy. Leaves the kinematics at q, v.
+// Sets e.kinetic to each cluster's kinetic energy, and `energy` to the sum of its kinetic and gravitational energy.
+// d.at_rest.kin then belongs to q, v.
 void find_energies(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& d,
                    BoundedEnergy& e, Eigen::VectorXd& energy) {
   kinematics_at(scene, q, v, d.at_rest.kin);
@@ -134,7 +135,7 @@ void find_rigid_velocities(const Scene& scene, const SimulationData& d, BoundedE
   }
 }
 
-// Scales down velocities relative to the rigid motion in clusters whose springs gave too much energy.
+// Scales down velocities relative to the rigid motion in clusters whose springs gave more energy than the account has.
 void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_rigid_velocities(scene, d, e);
   e.share.setOnes(scene.nrobots());
@@ -159,7 +160,7 @@ void take_back(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
       d.contact_v.segment(at, scene.contacts[c].rows()) *= at_robot(e.share, e, scene.contacts[c].A.robot);
 }
 
-// Computes the energy of all springs of each cluster, and the energy of those springs that are faster than the step.
+// Computes per cluster the energy stored in all springs, and in those that are faster than the step (kFast).
 void find_stretched(const Scene& scene, const SimulationData& d, bool at_start, BoundedEnergy& e,
                     BoundedEnergy::Stretched& out) {
   const ResistingSprings& s = *d.resisting->springs;
@@ -184,7 +185,7 @@ bool stretches_too_far(int c, const BoundedEnergy& e) {
          e.at_start.fast[c] + kRounding * (e.at_start.fast[c] + std::abs(e.fast_given[c]));
 }
 
-// Shortens the step in clusters whose fast springs gain energy.
+// Shortens the step in clusters that are fixed to the world and whose fast springs gain energy.
 void shorten_step(const Scene& scene, SimulationData& d, BoundedEnergy& e) {
   find_stretched(scene, d, true, e, e.at_start);
   if (e.at_start.fast.isZero(0) && e.fast_given.isZero(0)) return;
@@ -234,7 +235,7 @@ void begin_bound(const Scene& scene, bool goes_on, SimulationData& d) {
   BoundedEnergy& e = d.resisting->bounded;
   const ResistingSprings& s = *d.resisting->springs;
   find_robot_sets(scene, d.dynamics.active, true, e.cluster);
-  e.most.setZero(scene.nrobots());  // energy of the springs
+  e.most.setZero(scene.nrobots());  // energy stored in each cluster's springs at the start of the step
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const double stretch = d.applied->springs[k].length - scene.springs[k].length;
     at_robot(e.most, e, moving_end(scene.springs[k])) += scene.springs[k].stiffness * stretch * stretch / 2;

@@ -28,8 +28,8 @@ double rk4_growth(const Gains& gains, double h) {
   return std::max(rk4_factor(h * L.first), rk4_factor(h * L.second));
 }
 
-// Finds the step by bisection, because every ray from 0 into the left half plane leaves RK4's stability region exactly
-// once, within |x| < 3.
+// Finds the largest stable step by bisection, because every ray from 0 into the left half plane leaves RK4's stability
+// region exactly once, within |x| < 3.
 double rk4_largest_step(const Gains& gains) {
   const Roots L(-gains.beta, gains.alpha);
   double low = 0, high = 3 / std::max(std::abs(L.first), std::abs(L.second));

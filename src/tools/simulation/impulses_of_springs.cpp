@@ -9,7 +9,7 @@ namespace manycontact::internal {
 
 namespace {
 
-// Adds an impulse at the point `at` to a group, and updates its centre of mass C_next = C + h P_next / m.
+// Adds an impulse at the point `at` to a group's momentum, and updates its centre of mass C_next = C + h P_next / m.
 void add_impulse(FreeGroup& group, double h, const Vec3<double>& at, const Vec3<double>& impulse) {
   const Vec3<double> C = group.Y.h / group.Y.m;
   group.P_next += impulse;

@@ -10,12 +10,13 @@ void integrate_scene(const Scene& scene, const Eigen::VectorXd& q, const Eigen::
 [[nodiscard]] bool solve_stage(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v,
                                const ConstVector& u, SimulationData& data);
 
-/// Returns whether an active contact may have rotating rows. Only then follow_turning_rows must be called.
+/// Returns whether an active contact may have rows (directions) that rotate. Only then call follow_turning_rows.
 bool rows_may_turn(const Scene& scene, const SimulationData& data);
 /// For RK4, adds to data.wanted the accelerations that keep J v of 1D and 2D contacts constant although their rows
-/// rotate at q, v, and removes the alpha of these rows. Returns false if no rows rotate.
+/// rotate at q, v, and removes the alpha term of these rows. Returns false if no rows rotate.
 bool follow_turning_rows(const Scene& scene, const Eigen::VectorXd& q, const Eigen::VectorXd& v, SimulationData& data);
-/// For semi-implicit Euler, removes the alpha term from data.wanted for rows that rotate at the start of the step.
+/// For semi-implicit Euler, removes the correction of placement errors (gain alpha) from data.wanted for rows that
+/// rotate at the start of the step.
 void leave_out_alpha_of_turning_rows(const Scene& scene, SimulationData& data);
 
 /// Updates data.condition after a step's first solve, whose result is in `of`, if data.condition_every requests it.
@@ -32,7 +33,7 @@ void end_step(const Scene& scene, const Eigen::VectorXd& x, SimulationData& data
 void begin_bound(const Scene& scene, bool goes_on, SimulationData& data);
 void bound_energy(const Scene& scene, SimulationData& data);
 
-/// Computes data.at_rest.kin at q, v, and data.tau = -h times the inverse dynamics at q, v, data.stop.
+/// Computes data.at_rest.kin at q, v, and data.tau = -h times the inverse dynamics for the accelerations data.stop.
 void find_momentum(SimulationData& data);
 
 void keep_forces(SimulationData& data);  // copies data.f and data.f_offset from data.dynamics

@@ -56,7 +56,7 @@ Invariants invariants(const Scene& scene, const std::vector<char>& active, const
     const Vec6<double> e = placement_error(contact, d);
     for (Eigen::Index i = 0; i < d.W.rows(); ++i) {
       raise(out.violation_position, e[i]);
-      raise(out.violation_velocity, d.W.row(i).dot(d.nu));  // J v = W nu
+      raise(out.violation_velocity, d.W.row(i).dot(d.nu));  // J v = W nu, nu: relative velocity of the contact's frames
     }
   }
   return out;

@@ -32,7 +32,8 @@ signed char slip_at(double v) {
   return static_cast<signed char>(v >= kStickVelocity ? 1 : v <= -kStickVelocity ? -1 : 0);
 }
 
-// Returns the slope of the minimised function along v_next - v, at the point v + s (v_next - v), for `joints`.
+// Returns the slope of the function that resisting_joints.hpp minimises, along v_next - v at the point
+// v + s (v_next - v). It is the sum over `joints`.
 double slope_at(double s, std::span<const int> joints, double h, const ResistingJoints& j) {
   double out = 0;
   for (const int k : joints) {

@@ -46,7 +46,8 @@ bool holds_in_plane(const Contact& c) {
   return c.type == ContactType::k1D && c.reference_frame != ReferenceFrame::kLocal;
 }
 
-// Merges the nodes (sets of bodies without free joints between them) that contacts, motors, friction or rotors couple.
+// Merges nodes (sets of bodies without free joints between them) into groups if contacts, or motors, friction or rotors
+// of the free joints, couple them.
 void join_nodes(const Scene& scene, const std::vector<char>& active, FreeGroups& groups) {
   sparse::UnionFind sets(groups.group);
   for (const FreeGroups::FreeJoint& j : groups.joints) {

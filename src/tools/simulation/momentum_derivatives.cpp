@@ -19,7 +19,7 @@ Vec6<double> seen_at(const Vec6<double>& motion, const Vec3<double>& p) {
   return out;
 }
 
-Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // centre of mass, from the reference
+Vec3<double> com_of(const FreeGroup& group) { return group.Y.h / group.Y.m; }  // centre of mass, from its reference
 
 // Calls use(coordinate, its column of kin.J) for the coordinates of joint i and of all joints above it.
 template <class Use>
@@ -217,7 +217,7 @@ void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics
     add_motion_rows(
         scene, j, to_child, [&](Eigen::Index c) { return Vec3<double>(u.cross(Vec3<double>(d.turned.col(c)))); },
         [&](Eigen::Index c) { return Vec3<double>(w.cross(Vec3<double>(d.turned.col(c)))); }, F);
-    d.turned.setZero();  // dp
+    d.turned.setZero();  // d.turned becomes dp, the displacement of the child's origin
     each_above(robot, j.joint, k, [&](int column, const Vec6<double>& S) {
       d.turned.noalias() += Vec3<double>(seen_at(S, M.p).head<3>()) * F.row(column);
     });
@@ -289,12 +289,12 @@ void differentiate_end(const Scene& scene, const Eigen::VectorXd& q, const Eigen
     for (std::size_t g = 0; g < d.groups.size(); ++g)
       if (is_free(groups, g)) use(groups.groups[g], d.groups[g]);
   };
-  each_group([&](const FreeGroup&, OfGroup& out) {  // dC
+  each_group([&](const FreeGroup&, OfGroup& out) {  // dC at the end of the step
     out.added.topRows<3>().setZero();
     multiply(scene, out.robots, out.C_q, rows_of_q, 1, out.added.topRows<3>());
   });
   differentiate_added_motion(scene, kin, groups, d, F);
-  each_group([&](const FreeGroup& group, OfGroup& out) {  // du, dw
+  each_group([&](const FreeGroup& group, OfGroup& out) {  // du, dw: added velocities
     auto left = out.added.bottomRows<6>();
     left = out.next.bottomRows<6>();
     multiply(scene, out.robots, out.h_q, rows_of_q, -1, left);

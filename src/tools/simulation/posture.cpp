@@ -98,7 +98,7 @@ ClosestPosture follow_posture(const Scene& scene, const std::vector<char>& activ
   for (int k = anew ? kFirstIterations : 1; k > 0; --k) {
     d.asked = d.w;
     if (!iterate(q, d)) {
-      d.active.clear();  // the next call starts again
+      d.active.clear();  // makes the next call restart the inverse iteration
       return {};
     }
     for (std::size_t i = 0; k > 1 && i < island_count(d.dynamics); ++i)

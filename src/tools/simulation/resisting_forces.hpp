@@ -16,8 +16,8 @@ namespace internal {
 struct BoundedEnergy {
   Eigen::ArrayX2d account;  // columns: energy springs may still give, its maximum; kept between steps; NaN: unknown
   std::vector<int> cluster;
-  Eigen::VectorXd before, without;    // bodies: at the start; after a step without springs, minus other forces' work
-  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest that they can contain
+  Eigen::VectorXd before, without;    // energy of bodies: at the start; after a step without springs, minus other work
+  Eigen::VectorXd given, most;        // energy that springs gave in this step; the largest they contain after the next
   Eigen::VectorXd fast_given;         // energy that springs faster than the step gave
   Eigen::VectorXd kinetic, relative;  // kinetic energy at the step's end; its part relative to the rigid motions
   std::vector<OneBody> bodies;        // one entry per free cluster
@@ -31,10 +31,11 @@ struct BoundedEnergy {
   std::vector<int> members, first;  // free groups sorted by cluster; start of each cluster in members
 };
 
-/// The equations that semi-implicit Euler solves: the scene at rest, with the inertias that joints add to M.
+/// The equations that semi-implicit Euler solves: those of the scene with zero velocity, and with the inertias that
+/// joint springs, dampers, PD laws and friction add to M.
 struct AtRest {
   Scene& scene;
-  SceneData& data;  // SimulationData::dynamics if joints add nothing to M
+  SceneData& data;  // data of `scene`: SimulationData::dynamics if joints add nothing to M
 };
 AtRest at_rest_with_joints(SimulationData& data);
 

@@ -19,7 +19,7 @@ namespace manycontact::internal {
 namespace {
 
 constexpr double kFelt = 1e-3;           // rows across a spring are left out if D J M^-1 J^T is below this
-constexpr double kNothing = 1e-12;       // least value of D J K^-1 J^T of a row across a spring
+constexpr double kNothing = 1e-12;       // D of a row across a spring is raised until D J K^-1 J^T has this value
 constexpr std::size_t kMostRows = 3000;  // most rows for which J K^-1 J^T is stored dense
 constexpr double kMostZeros = 8;         // largest ratio of entries to nonzeros at which J K^-1 J^T is stored dense
 constexpr int kFewNumbers = 32;          // fewer unit forces on an island are solved one by one
@@ -326,7 +326,7 @@ void take_springs(const Scene& scene, SimulationData& d) {
   for (std::size_t k = 0; k < scene.springs.size(); ++k) {
     const AppliedForces<double>::OfSpring& at = d.applied->springs[k];
     for (const Attachment* end : {&scene.springs[k].A, &scene.springs[k].B})
-      // NaN torques make the solve fail
+      // a spring without a direction gives NaN torques, with which the solve fails
       if (const Robot* robot = moves(*end) ? &scene.robots[end->robot] : nullptr; robot && !at.directed)
         d.w.segment(robot->idx_v, robot->model->nv).setConstant(std::numeric_limits<double>::quiet_NaN());
     const auto first = static_cast<int>(s.rows.size());

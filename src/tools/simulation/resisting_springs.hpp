@@ -50,8 +50,8 @@ struct ResistingSprings {
   Eigen::VectorXd by_unit;      // nv: response to unit forces, computed with the matrix K^-1
 
   Eigen::VectorXd p, rate;     // one entry per row: impulse p; rate J v'
-  Eigen::VectorXd given;       // one entry per row: energy that the impulse without damper gives to the bodies [J]
-  Eigen::VectorXd stretching;  // one entry per row: the impulse that removes the stretching velocity
+  Eigen::VectorXd given;       // one entry per row: energy that the impulse, without damping, gives to the bodies [J]
+  Eigen::VectorXd stretching;  // one entry per row: impulse that removes the stretching part of the start velocity
   Eigen::VectorXd own;         // one entry per row: its diagonal entry of J K^-1 J^T
   bool is_dense = true;        // whether J K^-1 J^T is stored dense: it has few rows, or enough nonzero entries
   Eigen::MatrixXd C, with_D;   // C: J K^-1 J^T; with_D: its part for the rows `used`, with D^-1 added
@@ -65,7 +65,7 @@ struct ResistingSprings {
   Eigen::VectorXd b, none;
   Eigen::VectorXd without, f_without;  // the solution without springs: v+ (nv), and the impulses of contacts
 
-  // Sets of groups coupled by springs, and the angular momentum to be restored to each set.
+  // Sets of free groups (momentum.hpp) that springs couple, and the angular momentum to be restored to each set.
   std::vector<int> cluster, members;
   std::vector<Vec3<double>> couple;
 };

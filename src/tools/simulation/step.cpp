@@ -75,7 +75,7 @@ SimulationData::SimulationData(const Scene& scene, const ConstVector& q_, const 
       std::ranges::any_of(scene.robots, [](const Robot& r) { return has_friction(*r.model); }))
     resisting = std::make_shared<ResistingForces>(scene);
   for (Eigen::VectorXd* x : {&next_q, &stage_q}) *x = q;
-  left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // NaN differs from any state
+  left_q.setConstant(scene.nq, std::numeric_limits<double>::quiet_NaN());  // NaN differs from any q
   left_v = v;
   for (Eigen::VectorXd* x : {&next_v, &stop, &stage_v, &tau, &w, &w_rate, &v_rate, &w_sum, &v_sum})
     x->setZero(scene.nv);

@@ -24,8 +24,8 @@ struct SimulationBatch::Part {
   std::vector<char> left_active, kept_active;
   std::vector<signed char> slip;
   long steps = 0;
-  std::unique_ptr<SimulationData> own;  // null if the thread's data are used
-  std::vector<SimulationData> alone;    // empty, or one entry per state
+  std::unique_ptr<SimulationData> own;  // data of this part alone; null if the thread's data are used
+  std::vector<SimulationData> alone;    // empty, or, after a failed step, one entry per state
   Eigen::VectorXd u;                    // workspace
 };
 
@@ -62,7 +62,8 @@ int states_at_once(const Scene& scene, const Options& options) {
   return internal::states_side_by_side(data);
 }
 
-// Copies the caller's settings into the data of states first ... first + states - 1.
+// Copies the caller's settings (contacts, wrenches, PD laws, velocity limit) into the data of states first ...
+// first + states - 1.
 void take_settings(const SimulationBatch& b, Eigen::Index first, int states, SimulationData& d) {
   d.velocity_limit = b.velocity_limit;
   for (std::size_t c = 0; c < d.dynamics.active.size(); ++c) d.dynamics.active[c] = b.active[c % b.active.size()];
@@ -239,7 +240,7 @@ SimulationBatch::SimulationBatch(const Scene& scene, const ConstBatchRows& q_, c
     Part& part = work->parts.emplace_back();
     part.first = first, part.states = static_cast<int>(std::min<Eigen::Index>(copies, q.rows() - first));
     side_by_side(q, first, copies, part.q), side_by_side(v, first, copies, part.v);
-    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // NaN differs from any state
+    part.left_q.setConstant(part.q.size(), std::numeric_limits<double>::quiet_NaN());  // NaN differs from any q
     part.left_v = part.v;
   }
   work->failures.resize(static_cast<std::size_t>(threads > 0 ? threads : internal::default_threads()));

@@ -15,7 +15,8 @@ bool rows_may_turn(const Scene& scene, const SimulationData& d) {
 
 namespace {
 
-// Calls use(contact, rows, turning_of_rows, wanted) for active contacts whose rows rotate at the state of at_rest.kin.
+// Calls use(contact, rows, turning, wanted) for active contacts whose rows rotate at the state of at_rest.kin. turning:
+// each row's acceleration minus the rate of its J v; wanted: the contact's part of d.wanted.
 template <class Use>
 bool each_turning(const Scene& scene, SimulationData& d, Use&& use) {
   bool any = false;

@@ -13,7 +13,7 @@ namespace {
 int robot_of(const Scene& scene, int coordinate) {
   const auto after = std::upper_bound(scene.robots.begin(), scene.robots.end(), coordinate,
                                       [](int i, const Robot& robot) { return i < robot.idx_v; });
-  // A robot without coordinates has the idx_v of the next robot, so that the last of equal ones is taken.
+  // Robots without coordinates have the idx_v of the next robot. The last robot of equal idx_v has the coordinate.
   return static_cast<int>(after - scene.robots.begin()) - 1;
 }
 

@@ -19,7 +19,7 @@ function readScene() {
   return scene;
 }
 
-// Returns the last frame at or before time t, the next frame, and the share 0 ... 1 of the way to the next frame.
+// Returns the last frame at or before time t, the next frame, and t's position between them from 0 to 1.
 function frameAt(times, t) {
   let low = 0, high = times.length - 1;
   while (high - low > 1) {
@@ -39,7 +39,7 @@ function vectorAt(array, i, n, at, out) {
   return out.set(between(0), between(1), between(2));
 }
 
-// Returns the least number 1, 2 or 5 times a power of ten that is at least x.
+// Returns the least number that is at least x and is 1, 2 or 5 times a power of ten.
 function roundUp(x) {
   const power = Math.pow(10, Math.floor(Math.log10(x)));
   return [1, 2, 5, 10].map((k) => k * power).find((y) => y >= x * 0.999);

@@ -25,8 +25,8 @@ class OrbitCamera {
     return new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation));
   }
 
-  // Sets the distance so that the boxes fill a picture of this aspect. A corner that is x beside the middle and z nearer
-  // to the camera than the middle requires a distance of x / tan(half the view angle) + z.
+  // Sets the distance to `middle` so that the boxes fill a picture of the ratio `aspect` of width to height. A corner
+  // that is x beside `middle`, and z nearer to the camera, requires a distance of x / tan(half the view angle) + z.
   fit(boxes, middle, aspect) {
     this.target.copy(middle);
     const back = this.direction(), right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);

@@ -4,7 +4,7 @@
 // External wrenches are arrows of another colour. Springs are lines between their ends.
 
 const kActive = 1, kRedundant = 2, kShared = 4;
-const kApart = 0.05;  // least length of a drawn line, relative to a robot's size
+const kApart = 0.05;  // least length of the lines between A, B' and B, relative to a robot's size; shorter are hidden
 const kForceColour = 0xd9480f, kSharedColour = 0xb197fc, kInsideColour = 0x2b8a3e, kOutsideColour = 0xc92a2a, kWrenchColour = 0x1971c2, kSpringColour = 0x0b7285;
 
 class Contacts {
@@ -44,7 +44,7 @@ class Contacts {
     });
   }
 
-  // Makes an arrow that is visible through bodies, but paler: it is drawn once in place and once over everything.
+  // Makes an arrow that is visible through bodies, but paler: drawn once as a solid and once over everything.
   arrow(shaft, head) {
     const group = new THREE.Group();
     const solid = new THREE.MeshPhongMaterial({specular: 0x111111});
@@ -59,7 +59,7 @@ class Contacts {
     return {group, solid, ghost, shafts: [parts[0], parts[2]], heads: [parts[1], parts[3]]};
   }
 
-  // Returns the force [N] of an arrow of one metre, chosen such that large forces are about a third of a robot's size.
+  // Returns the force [N] for an arrow of one metre, such that arrows of large forces have a third of a robot's size.
   forceOfMetre() {
     const {forces, wrenches} = this.data.frames, sizes = [];
     const add = (list, i) => {
@@ -127,7 +127,7 @@ class Contacts {
     this.turn(line, along.divideScalar(length));
   }
 
-  // Places the cone. Returns whether the force is inside; undefined if there is no cone or no force.
+  // Places the friction cone of a contact. Returns whether the force is inside; undefined without a cone or a force.
   placeCone(parts, normal, force) {
     const mu = parts.contact.friction, known = mu > 0 && !isNaN(force.x);
     parts.cone.visible = this.shown.cones && mu > 0;
@@ -143,7 +143,7 @@ class Contacts {
 
   placeArrow(arrow, force, scale, colour) {
     const length = scale * force.length() / this.newtons;
-    arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides NaN
+    arrow.group.visible = this.shown.forces && length > 1e-3 * this.size;  // also hides the arrow of a NaN force
     if (!arrow.group.visible) return;
     const radius = 0.009 * this.size * Math.min(1, length / (0.1 * this.size)), head = Math.min(6 * radius, 0.5 * length);
     for (const shaft of arrow.shafts) shaft.scale.set(radius, radius, length - head);

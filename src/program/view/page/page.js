@@ -43,7 +43,7 @@ class Page {
     this.addLight();
   }
 
-  // Returns the boxes that are not empty; a default box if no robot has a shape.
+  // Returns the bounding boxes that are not empty, or a default box if no robot has a shape.
   seen(boxes) {
     const full = boxes.filter((box) => !box.isEmpty());
     return full.length > 0 ? full : [new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1))];
@@ -127,7 +127,7 @@ class Page {
   // Moves the camera to a robot or a contact, and describes the contact.
   find(name) {
     if (!name) return;
-    this.draw();  // updates all placements
+    this.draw();  // moves all robots and contacts to the current time
     const robot = this.data.robots.findIndex((r) => r.name === name), contact = this.contacts.list.find((c) => c.contact.name === name);
     const box = robot < 0 ? new THREE.Box3() : this.robots.boxes()[robot];
     if (!contact && box.isEmpty()) {
@@ -219,7 +219,7 @@ class Page {
     if (this.playing) {
       const t = this.now + passed * Number(element('speed').value), end = this.times[this.times.length - 1];
       this.seek(t > end + 0.4 * Number(element('speed').value) ? this.times[0] : t);
-      if (t > end) this.now = t;  // pauses for a moment before it starts again
+      if (t > end) this.now = t;  // at the end, the motion pauses for a moment before it repeats
     }
     if (!this.changed) return;
     this.changed = false;
@@ -266,7 +266,7 @@ class Page {
     document.body.dataset.outside = outside.length;
   }
 
-  // Finds the object under the pointer.
+  // Finds the contact or the body under the mouse pointer, and describes it.
   point(e) {
     if (this.camera.dragging) return;
     const canvas = element('canvas'), ray = new THREE.Raycaster();

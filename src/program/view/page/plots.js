@@ -3,7 +3,7 @@
 const kMargin = {left: 58, right: 10, top: 20, bottom: 16};
 
 class Plot {
-  // series: [{name, colour, values}]; log: the axis is logarithmic, with values of 0 at the bottom.
+  // series: [{name, colour, values}]; log: the vertical axis is logarithmic; 0 is at its bottom.
   constructor(canvas, title, times, series, log, seek) {
     Object.assign(this, {canvas, title, times, series, log});
     this.range();
@@ -30,7 +30,7 @@ class Plot {
     }
   }
 
-  // Returns the values on the axis that get a mark and a number.
+  // Returns the values on the vertical axis that get a mark and a number.
   marks() {
     if (this.log) {
       const step = Math.max(1, Math.ceil((this.high - this.low) / 4)), marks = [];

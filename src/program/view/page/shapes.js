@@ -1,12 +1,12 @@
 // Draws robots: each body is a group that the recorded frames move; its shapes are in the body's axes.
 
-// Makes the geometry of a shape, along z, once for all copies of a robot.
+// Makes the geometry of a shape, with its axis along z. All copies of a robot share it.
 function makeGeometry(shape, meshes) {
   const [a, b, c] = shape.size;
   if (shape.shape === 'box') return new THREE.BoxBufferGeometry(a, b, c);
   if (shape.shape === 'sphere') return new THREE.SphereBufferGeometry(a, 24, 16);
   if (shape.shape === 'cylinder') return new THREE.CylinderBufferGeometry(a, a, b, 28).rotateX(Math.PI / 2);
-  if (shape.shape === 'capsule') {  // a half ball, the mantle, a half ball
+  if (shape.shape === 'capsule') {  // its outline: a half ball, the mantle, a half ball
     const half = [...Array(9)].map((_, k) => k * Math.PI / 16);
     const below = half.map((x) => new THREE.Vector2(a * Math.sin(x), -b / 2 - a * Math.cos(x)));
     const above = half.reverse().map((x) => new THREE.Vector2(a * Math.sin(x), b / 2 + a * Math.cos(x)));
@@ -23,9 +23,9 @@ function makeGeometry(shape, meshes) {
 class Robots {
   constructor(data, world) {
     this.data = data;
-    this.bodies = [];  // groups that frames move, of all robots
+    this.bodies = [];  // three.js groups of the bodies of all robots, which the frames move
     this.robotOf = [];  // index of each body's robot
-    this.shapes = [];  // meshes; userData has their robot
+    this.shapes = [];  // one three.js mesh per shape; its userData contains its robot
     this.materials = new Map();
     this.opacity = 1;
     const geometries = data.models.map((model) => model.shapes.map((shape) => makeGeometry(shape, data.meshes)));
@@ -59,14 +59,14 @@ class Robots {
     });
   }
 
-  // Islands are numbered in the order in which they appear, so that a colour stays with its island.
+  // Numbers islands in the order of their first frames, so that an island keeps its colour through the motion.
   nameIslands() {
     this.islands = new Map();
     for (const island of this.data.frames.islands)
       if (!this.islands.has(island)) this.islands.set(island, this.islands.size);
   }
 
-  // Returns a mesh's colour. Hues differ by the golden angle; robots of one island differ in lightness.
+  // Returns a mesh's colour. Hues of islands or robots differ by the golden angle; robots of an island, in lightness.
   colourOf(mesh, frame, by) {
     const robot = mesh.userData.robot, urdf = mesh.userData.colour;
     if (by === 'urdf') return urdf ? new THREE.Color(urdf[0], urdf[1], urdf[2]) : new THREE.Color(0x9aa7b3);

@@ -38,7 +38,7 @@ struct IslandRanks {            // Result of find_ranks for one island.
   bool known = false;           // whether rank and redundant are computed; they are not if the island is too large
   int rank = 0;                 // rank of the island's J
   std::vector<char> redundant;  // one entry per row of the island: whether it depends on the rows before it
-  std::vector<BodyPair> pairs;  // sorted by their first contacts
+  std::vector<BodyPair> pairs;  // sorted by the number of their first contact
   std::vector<Lighter> lighter;
 };
 
@@ -46,7 +46,7 @@ struct IslandRanks {            // Result of find_ranks for one island.
 /// of body pairs if nv nc^2 exceeds 3e9 (`known` is then false), and none if the island is too deep to store J.
 IslandRanks find_ranks(const Scene& scene, const SceneData& data, std::size_t island);
 
-struct RowSelection {                  // names of an island's rows, and of its contacts without the redundant rows
+struct RowSelection {                  // names of an island's redundant rows, and of its contacts without these rows
   std::vector<std::string> redundant;  // "left_2[1]"
   std::vector<std::string> kept;       // "left_1", "left_2 as 2d (x and z)", "left_3[0]"
   std::vector<std::string> dropped;    // contacts of which no row is left
@@ -63,7 +63,7 @@ struct IslandKind {
 /// Finds the kinds of islands, in the order of their first islands. Throws std::logic_error before a solve.
 std::vector<IslandKind> find_kinds(const Scene& scene, const SceneData& data);
 
-/// Groups body pairs that have the same models, joints, contact types and ranks. Returns positions in `pairs`.
+/// Groups body pairs that have the same models, joints, contact types and ranks. Returns per group indices in `pairs`.
 std::vector<std::vector<std::size_t>> alike_pairs(const Scene& scene, const std::vector<BodyPair>& pairs);
 
 namespace internal {

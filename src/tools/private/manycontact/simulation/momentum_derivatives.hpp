@@ -18,7 +18,8 @@
 //
 //     dh/dv_j = Y_j S_j        dh/dq_j = S_j x* h_j - Y_j (S_j x V)        dC/dq_j = linear part of Y_j S_j / m
 //
-// (A displacement by S_j rotates all velocities of the carried bodies, but not V.) Derivatives are in tangent space.
+// with x, x* the cross products of a motion with a motion and with a momentum. (A displacement by S_j rotates all
+// velocities of the carried bodies, but not V.) Derivatives are in tangent space.
 
 #include <Eigen/SparseCore>
 

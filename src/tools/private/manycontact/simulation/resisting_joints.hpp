@@ -24,19 +24,19 @@ struct ResistingJoints {
   explicit ResistingJoints(const Scene& scene);
 
   // These members have one entry per velocity coordinate.
-  Eigen::VectorXd damping;        // N m s / rad
-  Eigen::VectorXd friction;       // N m
+  Eigen::VectorXd damping;        // d of the joint's damper [N m s / rad, N s / m]
+  Eigen::VectorXd friction;       // limit F of Coulomb friction [N m, N]
   std::vector<signed char> slip;  // 0: the joint sticks; 1 or -1: it slides in the positive or negative direction
   Eigen::VectorXd added, to_add;  // h d + h^2 k of the last factorization, and of this step
-  Eigen::VectorXd mobility;       // 1/m of joints with springs [1/kg, 1/(kg m^2)]; 0 at other coordinates
+  Eigen::VectorXd mobility;       // joints with springs: 1/m, m the mass or inertia that moves; other coordinates: 0
   Eigen::VectorXd kept, kept_k;   // kept: share of v that joint springs do not resist; kept_k: h^2 k times this share
   std::vector<int> rubbing;       // coordinates with friction
 
   bool vary = false;                           // whether added inertias may change; then robots do not share models
   std::vector<std::shared_ptr<Model>> models;  // models with added inertias; null: the scene's, or another robot's
 
-  bool begun = false;  // whether Newton's method has begun in this step, so that the next line is set
-  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) per entry of `rubbing`; both after a solve
+  bool begun = false;  // whether Newton's method has begun in this step, so that speed and force are set
+  Eigen::VectorXd speed, force, next_speed, next_force;  // v, K (v - v0) of `rubbing` joints; at the last solve
   std::vector<int> island, order;  // each joint's island, which has its own line search; `rubbing` sorted by island
 
   void find(const Scene& scene, const PdLaws& pd, double h);  // computes to_add for steps of size h
@@ -44,11 +44,11 @@ struct ResistingJoints {
   Scene with_inertias(const Scene& scene);
   bool fits(const Scene& scene) const;  // whether the scene that with_inertias made still fits to_add
 
-  void set_inertias(const Scene& scene, double h);  // to be called before each solve, for joints that stick
-  double inertia(int i, double h) const {           // added to coordinate i
+  void set_inertias(const Scene& scene, double h);  // sets the inertias of `models`; call it before each solve
+  double inertia(int i, double h) const {           // inertia added to M at coordinate i
     return added[i] + (friction[i] > 0 && slip[i] == 0 ? h * friction[i] / kStickVelocity : 0);
   }
-  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }  // part of inertia that resists v
+  double drag(int i, double h) const { return inertia(i, h) - kept_k[i]; }  // inertia that resists v
   /// Subtracts scale times the friction force of sliding joints from b (nv).
   void add_sliding(double scale, Eigen::VectorXd& b) const {
     for (const int i : rubbing) b[i] -= scale * slip[i] * friction[i];
