@@ -65,7 +65,8 @@ const PanelView& IntegratedActionDataEuler::panel() const {
   return differential->panel;
 }
 
-// Computes gx = h a_x^T g + [J1^T p_q; g] and gu = h a_u^T g from the panel [a_x a_u], where g = h J2^T p_q + p_v.
+// Computes gx = Fx^T p and gu = Fu^T p from the panel [a_x a_u] of derivatives of the acceleration, for p = [p_q; p_v]:
+// gx = h a_x^T g + [J1^T p_q; g] and gu = h a_u^T g, where g = h J2^T p_q + p_v.
 void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
   if (has_matrices()) return ActionDataAbstract::pull_back(p, gx, gu);
   const Eigen::Index nv = pulled.size();
