@@ -205,7 +205,7 @@ void scatter(const VectorXd& in, const std::vector<int>& start, const std::vecto
 
 }  // namespace
 
-// Computes k and p of knot k from t = p+ + P+ f.
+// Computes the clusters' feed-forward terms and the gradients p of their value functions in knot k, from t = p+ + P+ f.
 void Riccati::backward(const Problem& problem, const Point& h, int k) {
   const bool last = k == problem.horizon();
   if (!last)
@@ -234,8 +234,8 @@ void Riccati::backward(const Problem& problem, const Point& h, int k) {
       for (const Member& m : c.members) {
         const Group& g = problem.knots[k].groups[m.group];
         const auto t = x_.segment(m.x, m.nx);
-        add_Atx(p.segment(m.x, m.nx), 1, g.A, t);  // qx
-        for (const Piece& a : m.v)                 // qv
+        add_Atx(p.segment(m.x, m.nx), 1, g.A, t);  // qx += A^T t
+        for (const Piece& a : m.v)                 // qv += B^T t
           add_Atx(v_.segment(a.to, a.size), 1, g.B.middleCols(a.from, a.size), t);
       }
     }

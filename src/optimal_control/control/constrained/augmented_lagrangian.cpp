@@ -38,7 +38,7 @@ constexpr double kStationary = 1e-3;    // stationary: the expected reduction is
 constexpr int kWindow = 10;             // number of iterations between two tests for slow convergence of a minimisation
 constexpr double kSlow = 0.1;       // Gauss-Newton is slow if `stop` exceeds this multiple of `stop` two iterations ago
 constexpr double kStillSlow = 0.3;  // and if `stop` exceeds this multiple of `stop` one iteration ago (see kSlow)
-constexpr double kNearer = 0.1;     // failed quasi-Newton steps are retried once `stop` is below this share of `stop` then
+constexpr double kNearer = 0.1;     // quasi-Newton steps are retried when `stop` is below this share of that at failure
 constexpr double kCrawl = 0.01;     // smallest useful reduction in kWindow iterations, as a share of the penalty terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {

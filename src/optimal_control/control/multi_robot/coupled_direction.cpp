@@ -101,7 +101,7 @@ void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
     use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
 }
 
-// Sets dx = 0, too, because the steps of `descend` have the feedback K (x (-) xs) about the candidate.
+// Sets du = nu and dx = 0. Steps of SolverDDP::descend thus have the feedback K (x (-) xs) about the candidate xs.
 void CoupledDirection::set_feed_forward(const Vectors& nu) {
   Direction::set_feed_forward(nu);
   for (VectorXd& dx : z_.x) dx.setZero();
