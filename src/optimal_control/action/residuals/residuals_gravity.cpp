@@ -38,7 +38,8 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
       if (d.island[it.row()] == island) out(d.local[it.row()], static_cast<Eigen::Index>(j)) += it.value();
 }
 
-// Adds J^T df to block i. The derivatives df of the forces follow the accelerations in the rows of the island's panel.
+// Adds J^T df of the contacts of island i to its block of the residual. The derivatives df of the contact forces are
+// in the island's panel, below the rows of the accelerations.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
   const Island& island = solved_island(d.shared->solution, i);
