@@ -10,7 +10,7 @@ namespace {
 void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
-  std::vector<int> first(knot.couplings.size(), -1);  // one block of each coupling, or -1
+  std::vector<int> first(knot.couplings.size(), -1);  // one block that each coupling connects, or -1
   for (const Group& g : knot.groups) {
     for (int i : g.blocks) partition.join(g.blocks.front(), i);
     if (join != Join::kIslands) continue;

@@ -27,7 +27,8 @@ constexpr double kCrawling = 1e-9;   // iterations are slow if the expected redu
 // Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). The small
 // changes are for unstable robots, which without feedback move far away from the candidate after larger changes.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Largest random changes for motions far away, relative to max(1, largest control). Negative: changes of zero controls.
+// Largest random changes of the controls for motions far from the candidate, relative to max(1, largest control).
+// Negative: changes of zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
 constexpr double kCreeping = 0.99;  // a search ends if kCreepingWindow iterations leave at least this share of |r|^2

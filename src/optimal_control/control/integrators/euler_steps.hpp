@@ -15,7 +15,7 @@ inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
 /// Returns find_euler(node) if the derivatives are known to have the symplectic structure, otherwise null. They have it
 /// if joints_are_known, and the node stores no matrices or its class is exactly IntegratedActionModelEuler.
 const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node);
-/// Sets out.J = J1 and out.G = h J2 of the node's last calcDiff. Allocates only in the first call.
+/// Sets out.J = J1, out.G = h J2 (derivatives of x (+) dx) from a node's last calcDiff. Allocates in the first call.
 void fill_steps(const IntegratedActionDataEuler& euler, lq::SymplecticStructure& out);
 
 }  // namespace manycontact::internal

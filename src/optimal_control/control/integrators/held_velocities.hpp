@@ -36,7 +36,7 @@ struct HeldVelocities {
   Eigen::VectorXd q, v, slow;  // q, v: the state; slow: s v
   Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
-  std::vector<ContactData<double>> contacts;  // contacts of `scene`
+  std::vector<ContactData<double>> contacts;  // data of the contacts of `scene`
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
   Eigen::VectorXd x, q_next, v_next;

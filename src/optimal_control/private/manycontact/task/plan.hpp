@@ -16,7 +16,7 @@ struct PlanClosing {
   double speed = 0;  // speed [m/s] of A's origin relative to B'
   bool holds_there = true;  // A stays where it closes, not at the placement in the scene (TaskPhase::at_scene)
 };
-/// Returns the closings by time. In a step forward `aside` is nonzero; if a contact closes in the air, `above` is.
+/// Returns the closings of contacts by time. `aside` is nonzero for steps forward, `above` for contacts in the air.
 std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
 
 struct PlanLimit {  // A coordinate beyond a limit of the robot's file, at the node where it is furthest beyond.
