@@ -118,9 +118,9 @@ double riccati_flops(const Problem& problem, const Plan& plan) {
         const double ng = member.nx;
         double mg = 0;
         for (const Piece& p : member.v) mg += p.size;
-        flops += 2 * n * ng * ng + n * ng * ng     // P A, A^T P A
-                 + 2 * n * ng * mg                 // P B
-                 + 2 * ng * ng * m + ng * mg * m;  // A^T P B, B^T P B
+        flops += 2 * n * ng * ng + n * ng * ng     // operations for P A and A^T P A
+                 + 2 * n * ng * mg                 // operations for P B
+                 + 2 * ng * ng * m + ng * mg * m;  // operations for A^T P B and B^T P B
       }
       flops += c.rows > 0 || c.nv > c.nu ? 2 * e * e * e / 3 + 2 * e * e * n : m * m * m / 3 + 2 * m * m * n;
       flops += n * n * e;  // P = Qxx + Qxv K

@@ -12,9 +12,9 @@ namespace {
 
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-constexpr double kConvexWhereFeasible = 1e6;  // weight of |D v|^2, relative to Qvv and D, in the test of convexity
+constexpr double kConvexWhereFeasible = 1e6;  // weight of |D v|^2 in the test of convexity, in units of |Qvv| / |D|^2
 
-constexpr double kSingularPivot = 1e-14;  // smallest accepted pivot of the LU, relative to its row and column
+constexpr double kSingularPivot = 1e-14;  // smallest accepted pivot of the LU, relative to the largest pivot
 
 }  // namespace
 
@@ -276,7 +276,7 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
           v_.segment(c.nv + c.row_start[b], coupling.rows);
     }
     if (last) continue;
-    for (const Member& m : c.members) {  // x+ = A x + B v + f
+    for (const Member& m : c.members) {  // next knot's x+ = A x + B v + f
       const Group& g = problem.knots[k].groups[m.group];
       auto next = f_.head(m.nx);
       next.setZero();

@@ -151,7 +151,7 @@ std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRob
   for (const TaskPhase& phase : task.phases) join(phase, sets);
   join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of each set, by its first robot
+  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of each set, stored at the set's first robot
   for (int r = 0; r < scene.nrobots(); ++r) {
     const auto root = static_cast<std::size_t>(sets.root(r));
     if (root == static_cast<std::size_t>(r)) {

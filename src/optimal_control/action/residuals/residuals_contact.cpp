@@ -13,7 +13,7 @@ struct ContactResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   FrameIndex id = 0;
   std::string name;                                     // name of the requested contact
-  const ContactDataAbstract* contact = nullptr;         // set by lay_out
+  const ContactDataAbstract* contact = nullptr;         // set by lay_out: data of the contact
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // set by lay_out: unit wrenches of the contact's rows
   Eigen::MatrixXd B;                                    // set by calc: r = B f - b with the contact force f
   Eigen::VectorXd b;                                    // set by calc: b in r = B f - b

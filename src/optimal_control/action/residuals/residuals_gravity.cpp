@@ -11,7 +11,7 @@ namespace {
 struct GravityData : ResidualDataAbstract {
   GravityData(const ResidualModelAbstract* model, DataCollector* collector)
       : ResidualDataAbstract(model, collector), statics(collector->scene) {}
-  StaticTorque statics;                      // set by calc
+  StaticTorque statics;                      // set by calc: torques without motion, and their workspace
   std::vector<int> local;                    // set by lay_out: index of each velocity coordinate in its island
   std::vector<int> island;                   // set by lay_out: island of each velocity coordinate
   std::vector<std::vector<int>> q_column;    // set by lay_out, by island: columns of the island's q in its block

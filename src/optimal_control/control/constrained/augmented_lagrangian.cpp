@@ -29,7 +29,7 @@ constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expec
 constexpr double kProgress = 0.1;  // the penalty increases if m is above this multiple of the previous m
 constexpr double kHoped = 0.3;     // expected ratio of m after the next minimisation to the current m
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr std::size_t kPolishing = 20;  // most iterations of a minimisation to below the cost's rounding error
+constexpr std::size_t kPolishing = 20;  // most iterations of a minimisation with a tolerance below rounding errors
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
 constexpr int kFlat = 2;                // consecutive minimisations without a smaller violation that start restore()
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
