@@ -31,7 +31,7 @@ struct Raw {
   Eigen::Map<const Eigen::VectorXd> vector() const { return {array.data(), array.size()}; }
 };
 
-std::string shape_of(const py::array& array);  // such as "(3, 4)"
+std::string shape_of(const py::array& array);  // returns the shape as text, such as "(3, 4)"
 
 /// Returns `source` as float64 in C's order, or null if it is neither an array nor a sequence of numbers.
 Doubles as_doubles(py::handle source);

@@ -45,9 +45,9 @@ class Data {
   struct State {
     std::atomic<bool> busy = false;
     std::unordered_map<const IslandDerivatives*, std::weak_ptr<PanelKeeper>> exported;
-    const Scene* checked_scene = nullptr;  // scene at the last check of force_of
-    std::uint64_t checked_serial = 0;      // serial of that solve
-    std::vector<char> checked_active;      // flags of the contacts
+    const Scene* checked_scene = nullptr;  // scene that force_of checked last
+    std::uint64_t checked_serial = 0;      // serial number of the solve at this check
+    std::vector<char> checked_active;      // flags of the contacts that were active at this check
   };
   struct Turn {
     explicit Turn(State& s) : state(s) {

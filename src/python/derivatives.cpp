@@ -68,7 +68,7 @@ Eigen::SparseMatrix<double> joined_kkt_matrix(const Scene& scene, const SceneDat
   for (int i = std::max(0, island); i < (island < 0 ? count : island + 1); ++i) {
     const Eigen::SparseMatrix<double> K = kkt_matrix(scene, d, i);
     const Island& at = solved_island(d, i);
-    std::vector<int> place(at.size());  // rows of the island's [a; f] in the matrix
+    std::vector<int> place(at.size());  // rows of the entries of the island's [a; f] in the returned matrix
     for (int k = 0; k < at.size(); ++k) place[k] = k;
     if (island < 0) {
       each_velocity_block(scene, at, [&](int first, int local, int n) {

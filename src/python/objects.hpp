@@ -53,7 +53,8 @@ py::array_t<std::int8_t> numbers_of(const std::vector<E>& members) {
   return out;
 }
 
-/// wrenches_view returns an array (n, 6) that views the n wrenches of `owner`; set_wrenches sets them from one.
+/// wrenches_view returns an array (n, 6) that views n wrenches w, which belong to `owner`. set_wrenches copies such an
+/// array to w.
 py::array wrenches_view(const std::vector<Vec6<double>>& w, py::handle owner);
 void set_wrenches(const char* name, py::handle values, std::vector<Vec6<double>>& w);
 /// Returns a matrix (n, 6) with a copy of the n wrenches.
@@ -71,7 +72,7 @@ py::object scipy_csc(Eigen::SparseMatrix<double>&& given);
 
 void add_models(py::module_& m);
 void add_scenes(py::module_& m);
-// External wrenches and springs need their classes before add_scenes, and their functions after it.
+// For external wrenches and springs: add_force_classes must be called before add_scenes, and add_forces after it.
 void add_force_classes(py::module_& m);
 void add_forces(py::module_& m);
 void add_rigid_bodies(py::module_& m);

@@ -64,7 +64,7 @@ void expect_all_texts_taken() {
 std::string name_in(const char* function) {
   std::string_view text = function;
   text.remove_prefix(text.find("V = ") + 4);
-  text = text.substr(0, text.find_first_of(";]"));  // "&Base<A, B>::nu" or "Handle<Joint>"
+  text = text.substr(0, text.find_first_of(";]"));  // the value of V, such as "&Base<A, B>::nu" or "Handle<Joint>"
   text = text.substr(0, text.find_last_not_of('>') + 1);
   return text.front() == '(' ? "" : std::string(text.substr(text.rfind(':') + 1));
 }

@@ -80,7 +80,7 @@ py::object pack(const T& x) {
   } else if constexpr (std::is_same_v<T, SharedModel>) {
     return py::cast(std::const_pointer_cast<Model>(x));  // a model that several robots share is pickled once
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const ModelStructure>>) {
-    return py::none();  // finalize computes it again
+    return py::none();  // finalize computes the ModelStructure again
   } else if constexpr (std::is_same_v<T, std::shared_ptr<const PairRows>>) {
     return py::none();  // contacts that users add have no PairRows
   } else if constexpr (is_vector<T>) {

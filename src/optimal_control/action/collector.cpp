@@ -3,7 +3,7 @@
 namespace manycontact {
 
 namespace {
-// Switches off SIMD batches and reduced pairs, because they do not store contact data that costs read.
+// Switches off SIMD batches and Options::reduce_pairs, because these do not store contact data that costs read.
 Options robot_by_robot(Options options) {
   options.simd_level = SimdLevel::kOff;
   options.reduce_pairs = false;

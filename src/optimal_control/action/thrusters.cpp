@@ -35,7 +35,8 @@ ActuationModelFloatingBaseThrusters::ActuationModelFloatingBaseThrusters(std::sh
   set_thrusters(thrusters);
 }
 
-// Computes W_ in the base's axes. A thruster exerts a force along its z axis at its position, and a torque about z.
+// Computes W_, whose columns are the wrenches of unit thrusts in the base's axes. A thruster exerts a force along its z
+// axis at its position, and a torque about z.
 void ActuationModelFloatingBaseThrusters::set_thrusters(const std::vector<Thruster>& thrusters) {
   check_size("ActuationModelFloatingBaseThrusters::set_thrusters", "thrusters",
              static_cast<Eigen::Index>(thrusters.size()), thrusters_.size());

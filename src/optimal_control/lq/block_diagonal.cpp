@@ -5,7 +5,7 @@
 namespace manycontact::lq {
 namespace {
 
-// Calls use(first, size, block) for each part. Sizes that occur for robots' joints are compile-time constants.
+// Calls use(first row, size, block) for each diagonal block of D. Sizes 6 and 3 are compile-time constants.
 template <class Use>
 void each_part(const BlockDiagonal& D, Use&& use) {
   for (const BlockDiagonal::Part& part : D.parts) {
@@ -23,7 +23,7 @@ void each_part(const BlockDiagonal& D, Use&& use) {
   }
 }
 
-// Calls use(first, size) for each interval of rows between the parts, where D is scale I.
+// Calls use(first row, size) for each interval of the n rows that no block of D covers, where D is D.scale times I.
 template <class Use>
 void each_gap(const BlockDiagonal& D, Index n, Use&& use) {
   Index at = 0;

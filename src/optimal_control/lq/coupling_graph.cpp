@@ -111,9 +111,9 @@ double coupling_schur_flops(const Problem& problem, const Plan& plan, const Coup
     for (std::size_t k = plan.size(); k-- > 0;) {
       const Cluster& c = plan[k][cluster[k].cluster];
       const double n = c.nx, m = c.nu, y = cluster[k].size;
-      flops += 3 * n * n * n + 2 * n * n * m + n * m * (n + m)   // F, W
-               + 10 * n * n * y + 6 * n * m * y + 4 * n * y * y  // pi, theta, S_ll
-               + 2 * n * later * (n + y);                        // F^T V, theta^T V
+      flops += 3 * n * n * n + 2 * n * n * m + n * m * (n + m)   // operations for F and W
+               + 10 * n * n * y + 6 * n * m * y + 4 * n * y * y  // operations for pi, theta and S_ll
+               + 2 * n * later * (n + y);                        // operations for F^T V and theta^T V
       later += y;
     }
   }

@@ -90,7 +90,7 @@ void CouplingSchur::do_analyse(const Problem& problem) {
   F_.assign(knots, {});
   pi_.assign(knots, {});
   theta_.assign(knots, {});
-  std::size_t n = 0, nu = 0, y = 0, of_vertex = 0;  // largest sizes
+  std::size_t n = 0, nu = 0, y = 0, of_vertex = 0;  // largest sizes of x, u, y of a cluster, and of a vertex of S
   for (const auto& cluster : graph_.nodes) {
     for (std::size_t k = 0; k < knots; ++k) {
       const Cluster& c = plan[k][cluster[k].cluster];
@@ -127,7 +127,7 @@ Outcome CouplingSchur::do_factorize(const Problem& problem, const Regularisation
   schur_.add_proximal_term(kProximal);
   const int failed = schur_.factorize(0);
   if (failed < 0) return {};
-  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // even: mu, odd: w
+  return {failed % 2 == 0 ? Status::kSingular : Status::kNotConvex};  // even vertices: mu, odd: w
 }
 
 void CouplingSchur::make_schur(const Problem& problem, const Regularisation& reg) {

@@ -16,12 +16,12 @@ struct Rows {  // residuals of equations, and for each equation the sum of the m
 
 using Part = Eigen::Ref<const MatrixXd>;
 
-// Adds M z[from ...] to rows[to ...].
+// Adds M z[from ...] to rows.sum[to ...], and |M| |z[from ...]| to rows.scale[to ...].
 void multiply(const Part& M, const VectorXd& z, Index from, Rows rows, Index to) {
   add_Az(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to);
 }
 
-// Adds M z[from ...] to rows[to ...], and M^T w[to ...] to columns[from ...].
+// Adds M z[from ...] to rows[to ...], and M^T w[to ...] to columns[from ...], with magnitudes as in multiply.
 void multiply_both(const Part& M, const VectorXd& z, Index from, Rows columns, const VectorXd& w, Index to, Rows rows) {
   add_Az_Atw(M, z.data() + from, rows.sum.data() + to, rows.scale.data() + to, w.data() + to, columns.sum.data() + from,
              columns.scale.data() + from);

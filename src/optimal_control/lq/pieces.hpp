@@ -1,5 +1,6 @@
 #pragma once
-// Loops over the pieces of a group's vectors. f is called with first index in the group, first index in the knot, size.
+// Loops over the pieces of a group's vectors, which belong to one block or one coupling each. f is called with the
+// first index in the group's vector, the first index in the knot's vector, and the size.
 
 #include "manycontact/lq/problem.hpp"
 

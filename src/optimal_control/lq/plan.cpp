@@ -10,7 +10,7 @@ namespace {
 void join_knot(const Problem& problem, const Knot& knot, Join join, sparse::UnionFind& partition) {
   if (join == Join::kAll)
     for (int i = 1; i < problem.blocks(); ++i) partition.join(0, i);
-  std::vector<int> first(knot.couplings.size(), -1);  // one block of each coupling, or -1
+  std::vector<int> first(knot.couplings.size(), -1);  // one block that each coupling connects, or -1
   for (const Group& g : knot.groups) {
     for (int i : g.blocks) partition.join(g.blocks.front(), i);
     if (join != Join::kIslands) continue;
@@ -118,9 +118,9 @@ double riccati_flops(const Problem& problem, const Plan& plan) {
         const double ng = member.nx;
         double mg = 0;
         for (const Piece& p : member.v) mg += p.size;
-        flops += 2 * n * ng * ng + n * ng * ng     // P A, A^T P A
-                 + 2 * n * ng * mg                 // P B
-                 + 2 * ng * ng * m + ng * mg * m;  // A^T P B, B^T P B
+        flops += 2 * n * ng * ng + n * ng * ng     // operations for P A and A^T P A
+                 + 2 * n * ng * mg                 // operations for P B
+                 + 2 * ng * ng * m + ng * mg * m;  // operations for A^T P B and B^T P B
       }
       flops += c.rows > 0 || c.nv > c.nu ? 2 * e * e * e / 3 + 2 * e * e * n : m * m * m / 3 + 2 * m * m * n;
       flops += n * n * e;  // P = Qxx + Qxv K

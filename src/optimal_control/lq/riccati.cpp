@@ -12,9 +12,9 @@ namespace {
 
 bool finite(const Eigen::Ref<const MatrixXd>& M) { return std::isfinite(M.sum()); }
 
-constexpr double kConvexWhereFeasible = 1e6;  // weight of |D v|^2, relative to Qvv and D, in the test of convexity
+constexpr double kConvexWhereFeasible = 1e6;  // weight of |D v|^2 in the test of convexity, in units of |Qvv| / |D|^2
 
-constexpr double kSingularPivot = 1e-14;  // smallest accepted pivot of the LU, relative to its row and column
+constexpr double kSingularPivot = 1e-14;  // smallest accepted pivot of the LU, relative to the largest pivot
 
 }  // namespace
 
@@ -205,7 +205,7 @@ void scatter(const VectorXd& in, const std::vector<int>& start, const std::vecto
 
 }  // namespace
 
-// Computes k and p of knot k from t = p+ + P+ f.
+// Computes the clusters' feed-forward terms and the gradients p of their value functions in knot k, from t = p+ + P+ f.
 void Riccati::backward(const Problem& problem, const Point& h, int k) {
   const bool last = k == problem.horizon();
   if (!last)
@@ -234,8 +234,8 @@ void Riccati::backward(const Problem& problem, const Point& h, int k) {
       for (const Member& m : c.members) {
         const Group& g = problem.knots[k].groups[m.group];
         const auto t = x_.segment(m.x, m.nx);
-        add_Atx(p.segment(m.x, m.nx), 1, g.A, t);  // qx
-        for (const Piece& a : m.v)                 // qv
+        add_Atx(p.segment(m.x, m.nx), 1, g.A, t);  // qx += A^T t
+        for (const Piece& a : m.v)                 // qv += B^T t
           add_Atx(v_.segment(a.to, a.size), 1, g.B.middleCols(a.from, a.size), t);
       }
     }
@@ -276,7 +276,7 @@ void Riccati::forward(const Problem& problem, const Point& h, int k, Point& z) {
           v_.segment(c.nv + c.row_start[b], coupling.rows);
     }
     if (last) continue;
-    for (const Member& m : c.members) {  // x+ = A x + B v + f
+    for (const Member& m : c.members) {  // next knot's x+ = A x + B v + f
       const Group& g = problem.knots[k].groups[m.group];
       auto next = f_.head(m.nx);
       next.setZero();

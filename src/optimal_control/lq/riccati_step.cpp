@@ -60,7 +60,7 @@ void RiccatiStep::lay_out(int nv, int nx) {
   ld_ = u_ + sparse::padded(nx);
   if (same) return;
   const std::ptrdiff_t ld = ld_, rows = nx;
-  F_.assign(static_cast<std::size_t>(rows * ld + kTile), 0);  // entries between v and x stay zero
+  F_.assign(static_cast<std::size_t>(rows * ld + kTile), 0);  // entries between the columns of v and x stay zero
   grow(PF_, sparse::padded(nx) * ld);
   grow(H_, ld * ld);
   grow(qs_, ld);
@@ -80,7 +80,8 @@ void RiccatiStep::multiply(ConstMatrix P) {
   panel_kernels().upper_product(F_.data(), PF_.data(), nx_, cols, ld_, H_.data());
 }
 
-// Computes H = F^T P F from W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0], which selects y of x:
+// Computes H = F^T P F from W = [G; 1]^T P [G; 1], Y = J^T [P_yy G + P_yz], and E = [0 1 0] with columns for v, y, z,
+// where the state x is [y; z]:
 //
 //     F^T P F = F_z^T (W F_z + Y^T E) + E^T Y F_z + E^T J^T P_yy J E
 void RiccatiStep::multiply(ConstMatrix P, const SymplecticStructure& steps) {

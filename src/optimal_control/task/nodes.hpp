@@ -24,7 +24,7 @@ std::shared_ptr<ActionModelAbstract> integrated(const TaskFile& task, const std:
 std::shared_ptr<ActionModelAbstract> terminal_of(const std::shared_ptr<DiffModel>& model);
 
 struct Nodes {
-  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; null without impact
+  std::vector<std::shared_ptr<ActionModelAbstract>> phases, impacts;  // one entry per phase; impacts: null for none
   std::shared_ptr<ActionModelAbstract> terminal;
 };
 
@@ -45,7 +45,7 @@ Nodes joined_nodes(const TaskFile& task, const std::vector<std::vector<int>>& gr
 
 // ---- terms
 
-struct Parts {  // the context in which terms are made
+struct Parts {  // the models of a phase or impact that its terms (costs and constraints) refer to
   const TaskFile& task;
   std::shared_ptr<StateMultibody> state;
   std::shared_ptr<ActuationModelAbstract> actuation;  // null for an impact, whose terms depend only on x

@@ -104,7 +104,7 @@ std::vector<TaskGains> gains_of(const SolverDDP& solver) {
   std::vector<TaskGains> out;
   const std::size_t T = solver.get_problem()->get_T();
   for (const auto& direction : solver.directions()) {
-    std::map<std::vector<int>, std::size_t> known;  // index in `out` of each dx
+    std::map<std::vector<int>, std::size_t> known;  // index in `out` of the gains with these dx coordinates
     for (std::size_t t = 0; t < T; ++t)
       for (Direction::Gains& own : direction->gains(t)) {
         const auto [at, is_new] = known.emplace(own.dx, out.size());
@@ -176,7 +176,7 @@ struct Run {  // one solve, with its task, problem, settings and result
 
   void with_constraints() {
     SolverAugmentedLagrangian solver(problem.problem, [this](const auto& shooting) { return make(shooting); });
-    solver.set_penalty_init(task.step);  // size of a running cost of weight 1, which contains the step
+    solver.set_penalty_init(task.step);  // penalty like a running cost of weight 1, which is multiplied by the step
     solver.set_th_constraint(kMostViolation);
     solver.set_th_kkt(kMostResidual);
     solver.set_measures_scale(true);
@@ -343,7 +343,7 @@ TaskSolution optimize(const TaskFile& task, TaskProblem& problem, const TaskOpti
   std::vector<task::TorqueBounds> bounds;
   const bool limits = has_constraints(task) && task::bounds_torques_alone(task, bounds);
   const bool blocks = problem.blocks.size() > problem.parts.size() && task::dense_parts_fit(task);
-  // The methods get equal shares of the iterations.
+  // Up to three methods share the iterations equally: the chosen solver, dense recursions, and Box-FDDP with limits.
   const std::size_t all = run.most, methods = 1 + blocks + limits;
   const std::size_t share = (all + methods - 1) / methods;
   const auto goes_on = [&run] { return !run.out.converged && !run.out.interrupted && run.left() > 0; };

@@ -15,7 +15,8 @@ void append(std::vector<int>& list, int first, int count) {
   for (int i = 0; i < count; ++i) list.push_back(first + i);
 }
 
-// A part's robots and contacts as the scene's indices. robot_at, contact_at: per item of the scene, index here or -1.
+// The robots and contacts of a part of the scene. robots, contacts: their indices in the scene. robot_at, contact_at:
+// for each robot or contact of the scene, its index in the part, or -1.
 struct Share {
   std::vector<int> robots, contacts, robot_at, contact_at;
 };
@@ -150,7 +151,7 @@ std::vector<std::vector<int>> sets_of_robots(const TaskFile& task, const JoinRob
   for (const TaskPhase& phase : task.phases) join(phase, sets);
   join(task.terminal, sets);
   std::vector<std::vector<int>> out;
-  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of each set, by its first robot
+  std::vector<std::size_t> at(scene.robots.size());  // index in `out` of each set, stored at the set's first robot
   for (int r = 0; r < scene.nrobots(); ++r) {
     const auto root = static_cast<std::size_t>(sets.root(r));
     if (root == static_cast<std::size_t>(r)) {

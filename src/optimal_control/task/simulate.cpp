@@ -12,7 +12,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the torques us - K dx of node t, where dx = x (-) xs[t].
+// Returns the torques us[t] - K[t] dx of node t with the solution's gains K, where dx = x (-) xs[t].
 Eigen::VectorXd torques(const TaskSolution& solution, std::size_t t, const Eigen::VectorXd& dx) {
   Eigen::VectorXd u = solution.us[t];
   for (const TaskGains& part : solution.gains) {

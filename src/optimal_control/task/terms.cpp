@@ -153,7 +153,7 @@ std::shared_ptr<ResidualModelAbstract> of_frame(const TaskTerm& term, const Part
       if (term.reference_frame == ReferenceFrame::kLocal) return of(twist);
       if (term.reference_frame == ReferenceFrame::kLocalWorldAligned || T.p.isZero(0))
         return in_own_axes(term, of(turned(T.R, twist)), T.R);
-      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // T also displaces the origin
+      return std::make_shared<ResidualModelTurned>(of(T.act(twist)), inverse_action(T));  // T also moves the origin
     }
   }
 }

@@ -99,7 +99,7 @@ void copy_matrix(const char* where, const Eigen::MatrixXd& from, RowMajorMatrix&
 const ContactModelAbstract& model_of(const ContactItem& item) { return *item.contact; }
 const ImpulseModelAbstract& model_of(const ImpulseItem& item) { return *item.impulse; }
 
-// Calls use(model, data, first row in the stack, number of rows) for each active part.
+// Calls use(model, data, first row in the stack, number of rows) for each active contact or impulse of a stack.
 template <class Parts, class Data, class Use>
 void each_active(const char* where, const Parts& parts, const std::shared_ptr<Data>& data, Use&& use) {
   require(parts.size() == check_data(where, data).contacts.size(), where,
@@ -136,7 +136,7 @@ void sum_forces(ContactDataMultiple& data) {
   }
 }
 
-// Creates the data of all parts of a stack, and allocates the stack's memory for nc rows.
+// Creates the data of all contacts or impulses of a stack, and allocates the stack's matrices for nc rows.
 template <class Parts, class Data>
 void make_room_for_all(const Parts& parts, std::size_t nc, std::size_t nv, MultibodyData* motion, Data& data) {
   for (const auto& [name, item] : parts) data.contacts[name] = model_of(*item).createData(motion);

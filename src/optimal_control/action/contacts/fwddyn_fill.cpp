@@ -115,7 +115,7 @@ void apply_actuation(const ActuationModelAbstract& actuation, DataCollector& m) 
     const auto add = [&](const Eigen::SparseMatrix<double>& B, Eigen::Index first) {
       for (Eigen::Index j = 0; j < B.outerSize(); ++j)
         for (Eigen::SparseMatrix<double>::InnerIterator it(B, j); it; ++it) {
-          const auto row = std::lower_bound(v.begin(), v.end(), static_cast<int>(it.row()));  // v ascends
+          const auto row = std::lower_bound(v.begin(), v.end(), static_cast<int>(it.row()));  // v is sorted
           if (row != v.end() && *row == it.row()) out.col(first + j) += it.value() * by_tau.col(row - v.begin());
         }
     };

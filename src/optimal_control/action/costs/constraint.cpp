@@ -106,7 +106,8 @@ auto holding(bool terminal) {
   };
 }
 
-// Returns the rows of each block of a residual that are in `kept`. They become rows first, first + 1, ... of g or h.
+// Returns for each block of a residual which of its rows are in `kept`. The rows `kept` of the residual become the rows
+// first, first + 1, ... of the stacked constraints g or h.
 std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<int>& kept, int first, bool sparse,
                         BlockSparse& X, BlockSparse& U) {
   std::vector<int> place(residual.r.size(), -1);
@@ -128,7 +129,7 @@ std::vector<Part> split(const ResidualDataAbstract& residual, const std::vector<
   return parts;
 }
 
-// Copies a result of standalone evaluation to the memory given to shareMemory, unless both are the same memory.
+// Copies stacked constraints or their Jacobian to the memory given to shareMemory, unless they are in this memory.
 template <class From, class To>
 void hand_on(const From& from, To& to) {
   if (from.data() == to.data()) return;

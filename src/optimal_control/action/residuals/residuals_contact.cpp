@@ -13,15 +13,15 @@ struct ContactResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   FrameIndex id = 0;
   std::string name;                                     // name of the requested contact
-  const ContactDataAbstract* contact = nullptr;         // set by lay_out
+  const ContactDataAbstract* contact = nullptr;         // set by lay_out: data of the contact
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> P;  // set by lay_out: unit wrenches of the contact's rows
-  Eigen::MatrixXd B;                                    // set by calc
-  Eigen::VectorXd b;                                    // set by calc
+  Eigen::MatrixXd B;                                    // set by calc: r = B f - b with the contact force f
+  Eigen::VectorXd b;                                    // set by calc: b in r = B f - b
   // The following members are used if the cone's axes are not kContact.
   // set by lay_out: column of Rx for each velocity coordinate of A's robot, then of B's robot
   std::vector<int> columns;
   Mat3<double> oRX, oRF;  // set by calc: rotations to the world of the cone's axes X and the force's axes F
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3: derivative of the wrench by a rotation
+  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 6> turned;  // 6 x 3: derivative of the wrench in X by a rotation
   Eigen::MatrixXd B_turned;                                  // nr x 3: derivative of r by a rotation
   Mat6X<double> J;                                           // workspace: frame Jacobian of A or of B'
 };
@@ -52,7 +52,8 @@ void find_columns(const DataCollector& shared, int robot, const std::vector<int>
   }
 }
 
-// Adds sign B_turned th_i to Rx, where th_i is the derivative of the attachment's rotation w.r.t. q_i of its robot.
+// Adds sign B_turned th_i to the column of Rx for each coordinate i of the attachment's robot, where th_i is the
+// angular velocity of the attachment per velocity of this coordinate.
 void add_turning(const Attachment& at, double sign, const int* columns, ContactResidualData& d, RowMajorMatrix& Rx) {
   const Robot& robot = d.shared->scene.robots[at.robot];
   auto J = d.J.leftCols(robot.model->nv);

@@ -11,7 +11,7 @@ namespace {
 
 struct FrameResidualData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
-  const Multibody::BodyFrame* frame = nullptr;  // set by lay_out
+  const Multibody::BodyFrame* frame = nullptr;  // set by lay_out: the frame with the residual's id
   std::vector<int> chain;                       // set by lay_out: coordinates of the robot that move the frame
 
   const Kinematics<double>& kin() const { return shared->kinematics(frame->robot); }

@@ -11,7 +11,7 @@ namespace {
 struct GravityData : ResidualDataAbstract {
   GravityData(const ResidualModelAbstract* model, DataCollector* collector)
       : ResidualDataAbstract(model, collector), statics(collector->scene) {}
-  StaticTorque statics;                      // set by calc
+  StaticTorque statics;                      // set by calc: torques without motion, and their workspace
   std::vector<int> local;                    // set by lay_out: index of each velocity coordinate in its island
   std::vector<int> island;                   // set by lay_out: island of each velocity coordinate
   std::vector<std::vector<int>> q_column;    // set by lay_out, by island: columns of the island's q in its block
@@ -38,7 +38,8 @@ void add_part(const GravityData& d, int island, const Eigen::SparseMatrix<double
       if (d.island[it.row()] == island) out(d.local[it.row()], static_cast<Eigen::Index>(j)) += it.value();
 }
 
-// Adds J^T df to block i. The derivatives df of the forces follow the accelerations in the rows of the island's panel.
+// Adds J^T df of the contacts of island i to its block of the residual. The derivatives df of the contact forces are
+// in the island's panel, below the rows of the accelerations.
 void add_force_part(GravityData& d, std::size_t i) {
   ResidualBlock& block = d.blocks[i];
   const Island& island = solved_island(d.shared->solution, i);

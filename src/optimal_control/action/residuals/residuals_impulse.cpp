@@ -9,7 +9,7 @@ struct ImpulseCoMData : ResidualDataAbstract {
   using ResidualDataAbstract::ResidualDataAbstract;
   std::vector<std::vector<Vec6<double>>> v, h;  // body velocities, subtree momenta for w, per robot and joint
   Eigen::VectorXd w;                            // velocity jump v+ - v (nv)
-  Eigen::MatrixXd Jcom;                         // 3 x nv
+  Eigen::MatrixXd Jcom;                         // 3 x nv: Jacobian of the centre of mass
 };
 
 }  // namespace

@@ -49,7 +49,8 @@ bool ActionModelAugmentedLagrangian::checkData(const DataPtr& data) {
   return d && model_->checkData(d->inner);
 }
 
-// Adds to the cost d (y + y+) / 2 per active row (y+ /= 0, d = c - bound), and -y^2 / (2 rho) per inactive row.
+// Adds the constraint terms to the cost. A row of value c, multiplier y and next multiplier y+ adds d (y + y+) / 2 if
+// it is active (y+ /= 0), where d = c - bound. Otherwise it adds -y^2 / (2 rho), where rho is the penalty.
 void ActionModelAugmentedLagrangian::evaluate(ActionDataAugmentedLagrangian& d, const ConstVectorRef& x,
                                               const ConstVectorRef* u) {
   u ? model_->calc(d.inner, x, *u) : model_->calc(d.inner, x);
@@ -97,7 +98,7 @@ void ActionModelAugmentedLagrangian::differentiate(ActionDataAugmentedLagrangian
     d.Lu += d.y_next[i] * rows.u_row(in, i).transpose();
   }
   if (active == 0) return;
-  double* H = d.product.data();  // only the upper triangle is computed
+  double* H = d.product.data();  // product of the panel's transpose and the panel; only its upper triangle is set
   sparse::panel_kernels().upper_product(d.panel.data(), d.panel.data(), active, cols, ld, H);
   for (Index j = 0; j < cols; ++j)
     for (Index i = 0; i <= j; ++i) {

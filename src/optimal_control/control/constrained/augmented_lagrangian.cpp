@@ -24,20 +24,22 @@ constexpr const char* kSolverAugmentedLagrangian = "SolverAugmentedLagrangian";
 constexpr double kLargest = std::numeric_limits<double>::max();
 constexpr internal::Range kPenalty{0, false, kLargest, "a positive penalty is expected"};
 constexpr internal::Range kFactor{1, false, kLargest, "a factor above 1 is expected"};
-constexpr double kProgress = 0.1;  // the penalty increases if a minimisation leaves more than this multiple of m
-constexpr double kHoped = 0.3;     // expected multiple of m after the next minimisation
+// Thresholds. m is the largest change of a multiplier in a minimisation, divided by the penalty. `stop` is the expected
+// reduction by a step. Penalty terms are the constraints' terms in the augmented Lagrangian.
+constexpr double kProgress = 0.1;  // the penalty increases if m is above this multiple of the previous m
+constexpr double kHoped = 0.3;     // expected ratio of m after the next minimisation to the current m
 constexpr double kEps = std::numeric_limits<double>::epsilon();
-constexpr std::size_t kPolishing = 20;  // most iterations if expected reductions are below the cost's rounding error
+constexpr std::size_t kPolishing = 20;  // most iterations of a minimisation with a tolerance below rounding errors
 constexpr int kPatience = 4;            // consecutive minimisations without progress that end the solve
-constexpr int kFlat = 2;                // consecutive minimisations without a smaller violation that start the searches
+constexpr int kFlat = 2;                // consecutive minimisations without a smaller violation that start restore()
 constexpr double kCloser = 0.5;         // the violation decreased if it is at most this multiple of its previous value
-constexpr double kOutweighs = 10;       // constraints outweigh the cost if their terms exceed this multiple of the cost
-constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of constraints' terms
+constexpr double kOutweighs = 10;       // penalty terms outweigh the cost if they exceed this multiple of the cost
+constexpr double kStationary = 1e-3;    // stationary: the expected reduction is below this share of the penalty terms
 constexpr int kWindow = 10;             // number of iterations between two tests for slow convergence of a minimisation
 constexpr double kSlow = 0.1;       // Gauss-Newton is slow if `stop` exceeds this multiple of `stop` two iterations ago
 constexpr double kStillSlow = 0.3;  // and if `stop` exceeds this multiple of `stop` one iteration ago (see kSlow)
-constexpr double kNearer = 0.1;     // after a failure, quasi-Newton steps are retried once `stop` fell to this share
-constexpr double kCrawl = 0.01;     // smallest useful reduction, relative to the constraints' terms
+constexpr double kNearer = 0.1;     // quasi-Newton steps are retried when `stop` is below this share of that at failure
+constexpr double kCrawl = 0.01;     // smallest useful reduction in kWindow iterations, as a share of the penalty terms
 
 std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem) {
   const auto& models = problem->get_runningModels();
@@ -49,7 +51,8 @@ std::shared_ptr<SolverDDP> usual_solver(std::shared_ptr<ShootingProblem> problem
   return std::make_shared<SolverFDDP>(std::move(problem));
 }
 
-// Returns the expected reduction at which the next minimisation ends. The constraints then have errors of 0.09 times m.
+// Returns the expected reduction at which the next minimisation ends. The constraints' errors are then about 0.09 m,
+// where m <= 1 is their current error as defined in assess(), but not less than 0.3 `smallest`.
 double tolerance_after(double m, double rho, double smallest) {
   const double missed = kHoped * std::max(kHoped * std::min(m, 1.0), smallest);
   return 0.5 * rho * missed * missed;
@@ -217,8 +220,9 @@ void SolverAugmentedLagrangian::measureViolation() {
   violation_ = internal::infeasibility(*problem_, internal::Rows::kAll, LInf);
 }
 
-// Computes violation, KKT residual and m = max |y+ - y| / rho at the candidate. The multipliers are y+ for the
-// constraints and Vx for the dynamics, because multipliers from an adjoint recursion would grow for unstable motions.
+// Computes violation, KKT residual and m = max |y+ - y| / rho at the candidate, where rho is the penalty, y are the
+// constraints' multipliers, and y+ the next ones. The KKT residual has the multipliers y+, and Vx for the dynamics,
+// because multipliers from an adjoint recursion would grow for unstable motions.
 void SolverAugmentedLagrangian::assess() {
   if (inner_->get_iter() > 0) augmented_->calc(xs_, us_);  // computeDirection calls calc itself at iteration 0
   inner_->set_preg(inner_->get_reg_min() * scale_);

@@ -27,7 +27,7 @@ AL::Copy AL::augment_leaf(const Copy& of, const std::vector<int>& rows, const Ei
   return {model, data};
 }
 
-// Copies a node of several subproblems. Subproblems with constraint rows are augmented in the copy.
+// Copies a node of several subproblems. In the copy, augmented Lagrangians replace subproblems with constraint rows.
 AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts& data, bool terminal,
                            const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                            std::vector<Augmented>& out) const {
@@ -45,8 +45,8 @@ AL::Copy AL::augment_parts(const ActionModelParts& whole, const ActionDataParts&
   return {model, model->createData(std::move(datas))};
 }
 
-// Augments a node or a subproblem. Without constraint rows, `of` is returned unchanged, unless augments_all_ is set and
-// the node has dense matrices. rows: indices of its constraint rows among the rows of the problem's node.
+// Returns the augmented Lagrangian of a node or subproblem `of`. Without constraint rows, returns `of` itself, unless
+// augments_all_ is set and `of` has dense matrices. rows: indices of its constraint rows in the problem's node.
 AL::Copy AL::augment(const Copy& of, bool terminal, const std::vector<int>& rows, const Eigen::VectorXd& multipliers,
                      std::vector<Augmented>& out) const {
   const auto* whole = dynamic_cast<const ActionModelParts*>(of.model.get());
@@ -81,7 +81,8 @@ bool AL::is_decorated() const {
   return true;
 }
 
-// Makes augmented_ and nodes_. Node t keeps its multipliers if its number of constraints has not changed.
+// Makes the augmented Lagrangians of all nodes, and the shooting problem augmented_ of these. Node t keeps its
+// multipliers if its number of constraints has not changed.
 void AL::decorate() {
   const std::size_t T = problem_->get_T();
   const Multipliers multipliers = get_multipliers();

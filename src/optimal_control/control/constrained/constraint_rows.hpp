@@ -24,12 +24,13 @@ class ConstraintRows {
   auto x_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gx.row(i) : d.Hx.row(i - ng_); }
   auto u_row(const ActionDataAbstract& d, Eigen::Index i) const { return i < ng_ ? d.Gu.row(i) : d.Hu.row(i - ng_); }
 
-  /// Returns the next multiplier y+ = rho (z - P(z)) of row i, where z = c + y / rho. NaN if c is NaN.
+  /// Returns the next multiplier y+ = rho (z - P(z)) of row i with value c, where z = c + y / rho, and P clamps z to
+  /// the row's bounds. Returns NaN if c is NaN.
   double next_multiplier(const ActionDataAbstract& d, Eigen::Index i, double y, double rho) const {
     const double c = value(d, i);
     return std::max(y + rho * (c - upper(i)), 0.0) + std::min(y + rho * (c - lower(i)), 0.0);
   }
-  /// Returns the signed violation c - P(c) of row i.
+  /// Returns the signed violation c - P(c) of row i with value c, where P clamps c to the row's bounds.
   double violation(const ActionDataAbstract& d, Eigen::Index i) const { return next_multiplier(d, i, 0, 1); }
 
  private:

@@ -29,7 +29,7 @@ struct Largest {  // The largest magnitude of the numbers that were added. It is
   }
 };
 
-// Returns y^T times column i of dc/dx or dc/du, where row(k) returns row k of this matrix, or zero if y is null.
+// Returns y^T times column i of the constraints' Jacobian dc/dx or dc/du, whose row k is row(k). Zero if y is null.
 template <class Row>
 double pull_back(const ConstraintRows& rows, const Eigen::VectorXd* y, Row&& row, Eigen::Index i) {
   double sum = 0;
@@ -46,7 +46,8 @@ bool is_of_parts(const ShootingProblem& problem) {
   return false;
 }
 
-// Adds c - P(c + y / scale) of each constraint row c to `worst`, where P projects onto the bounds of c.
+// Updates the maximum `worst` with the error c - P(c + y / scale) of each constraint row of value c and multiplier y,
+// where P projects onto the row's bounds.
 void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, const Eigen::VectorXd& y, double scale,
                      Largest& worst) {
   check_size("kkt_residual", "multipliers of a node", y.size(), static_cast<std::size_t>(rows.size()));
@@ -56,7 +57,8 @@ void add_constraints(const ConstraintRows& rows, const ActionDataAbstract& d, co
   }
 }
 
-// Adds the gradient `slope` of control i to `worst`, or, with limits, u - P(u - slope), where P projects onto them.
+// Updates the maximum `worst` with the gradient `slope` with respect to control i, or, with limits, with
+// u - P(u - slope), where P projects onto the limits of this control u.
 void add_slope(const ActionModelAbstract& model, const Eigen::VectorXd& u, Eigen::Index i, bool limits, double slope,
                Largest& worst) {
   if (limits && model.get_has_control_limits())
@@ -147,8 +149,8 @@ double kkt_residual_of_nodes(const ShootingProblem& problem, const Vectors& xs, 
 
 namespace {
 
-// Calls use(g_t[i], u_t[i], lower limit, upper limit) for each control i of node t. The gradient is g_t = lu + fu^T
-// l_(t+1), with l_T = lx_T and l_t = lx + fx^T l_(t+1).
+// Calls use(g_t[i], u_t[i], lower limit, upper limit) for each control i of each node t. The gradient of the total cost
+// is g_t = Lu + Fu^T l_(t+1), with the costates l_T = Lx of the terminal node and l_t = Lx + Fx^T l_(t+1).
 template <class Use>
 void each_slope_of_part(const ShootingProblem& problem, const Vectors& us, bool limits, Use&& use) {
   const std::size_t T = problem.get_T();

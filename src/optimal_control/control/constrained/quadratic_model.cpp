@@ -8,7 +8,8 @@ namespace manycontact::internal {
 
 namespace {
 
-// Sets the matrices of a group of one block from the node's derivatives, except C and D, which fill_nodes sets.
+// Sets the matrices and vectors of an lq::Group of one block from the node's derivatives, except its C and D, which
+// fill_nodes sets.
 void fill_group(const ActionModelAbstract& model, const ActionDataAbstract& from, bool terminal, Terms terms,
                 lq::Group& to) {
   to.q = from.Lx;

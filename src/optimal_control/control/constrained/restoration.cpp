@@ -20,28 +20,29 @@ using internal::largest_number;
 
 namespace {
 
-constexpr double kAbsurd = 3e8;      // a motion is discarded if its cost exceeds this multiple of the previous cost
-constexpr double kWorthless = 1e-6;  // a violation is a minimum if a step reduces its square by at most this share
-constexpr double kLevel = 1e-6;      // the candidate is stationary if |C^T r| <= kLevel |C| |r|
-constexpr double kCrawling = 1e-9;   // iterations are slow if `stop` is below this share of the squared violation
+constexpr double kAbsurd = 3e8;      // a motion is discarded above this multiple of the cost before the restoration
+constexpr double kWorthless = 1e-6;  // a step or search that reduces |r|^2 by at most this share counts as useless
+constexpr double kLevel = 1e-6;      // violations r with Jacobian C are stationary if |C^T r| <= kLevel |C| |r|
+constexpr double kCrawling = 1e-9;   // iterations are slow if the expected reduction is below this share of |r|^2 / 2
 // Largest random changes of the controls for motions near the candidate, relative to max(1, largest control). The small
 // changes are for unstable robots, which without feedback move far away from the candidate after larger changes.
 constexpr double kBeside[] = {1e-2, 1e-4, 1e-6};
-// Largest random changes for motions far away, relative to max(1, largest control). Negative: changes of zero controls.
+// Largest random changes of the controls for motions far from the candidate, relative to max(1, largest control).
+// Negative: changes of zero controls.
 constexpr double kElsewhere[] = {0.3, -0.1, 1, -0.5, 3, -2, 0.05, 0.2};
 constexpr double kRegularised = 1e-12;  // least regularisation, in units of min(|C|^2, 1)
 constexpr double kCreeping = 0.99;  // a search ends if kCreepingWindow iterations leave at least this share of |r|^2
 constexpr double kSettled = 1 - 1e-12;  // kCreeping for quasi-Newton steps, which end when they no longer reduce |r|^2
 constexpr std::size_t kCreepingWindow = 8;
-constexpr double kAsNear = 1.01;  // the original candidate is preferred up to this multiple of the least violation
-constexpr double kMuchNearer = 0.5;  // the solve continues from a candidate with at most this share of the violation
+constexpr double kAsNear = 1.01;  // if infeasible, the original candidate is kept up to this multiple of the violation
+constexpr double kMuchNearer = 0.5;  // the solve continues if at most this share of the original violation is left
 constexpr std::size_t kMostIterations = 500;
 constexpr std::size_t kMostLevelling = 50;
 constexpr int kLevellings = 50, kIdleLevellings = 12;
 // Initial regularisation of quasi-Newton steps, in units of |C|^2, and the factor by which it increases.
 constexpr double kLeastLevelling = 1e-4, kMoreRegularised = 10;
-constexpr double kLongest = 10;  // longest first step, in units of the largest control
-constexpr double kBack = 1e-3;  // a search has returned to the candidate if its result is worse by at most this share
+constexpr double kLongest = 10;  // longest first quasi-Newton step, in units of the largest control
+constexpr double kBack = 1e-3;  // a search has returned to the candidate if |r|^2 is larger there by at most this share
 constexpr std::size_t kRestorations = 5;
 constexpr double kBeyond = 0.1;  // infeasible: controls within limits reduce |r|^2 by at most this share
 constexpr int kSaddles = 4;  // most searches that restart from a smaller violation near the candidate
@@ -56,12 +57,13 @@ class AL::Watch : public CallbackAbstract {
     const double left = solver.get_cost();
     slow_ = searches_ && solver.get_is_feasible() && solver.get_stop() < kCrawling * left ? slow_ + 1 : 0;
     if (last_.empty() || left != last_.back())
-      last_.push_back(left);  // a rejected step repeats its value, with more regularisation
+      last_.push_back(left);  // a rejected step reports the same violation again
     const double most = searches_ ? kCreeping : kSettled;
     const bool creeps = last_.size() > kCreepingWindow && left > most * last_[last_.size() - 1 - kCreepingWindow];
     if (outer_.reportRestoration(solver) || left <= met_ || slow_ == 3 || creeps) solver.interrupt();
   }
-  /// Resets the counts. searches: iterations end when they converge slowly, otherwise only when they stop reducing r.
+  /// Resets the counts of slow iterations. searches: the minimisation ends when it converges slowly, otherwise only
+  /// when it no longer reduces the violation.
   void begin(bool searches) {
     slow_ = 0;
     last_.clear();
@@ -185,10 +187,11 @@ void AL::take(Restoration& own) {
   evaluate(own);
 }
 
-// Searches from another motion. Its controls are those of the candidate, or zeros if `by` is negative, plus random
-// numbers of up to |by| times max(1, largest control). If the search ends at a smaller violation, its result becomes
-// the candidate. Near the candidate only quasi-Newton steps are taken, because Gauss-Newton steps may return to a
-// maximum or a saddle. If the quasi-Newton steps return to the candidate, the candidate is a minimum.
+// Searches for a smaller violation, from a motion with other controls. These are the candidate's controls, or zeros if
+// `by` is negative, plus random numbers of up to |by| times max(1, largest control). If the search ends at a smaller
+// violation, its result becomes the candidate. Near the candidate only quasi-Newton steps are taken, because
+// Gauss-Newton steps may return to a maximum or a saddle. If the quasi-Newton steps return to the candidate, the
+// candidate is a minimum.
 AL::Beside AL::lookBeside(Restoration& own, double by) {
   const std::vector<Eigen::VectorXd> xs = xs_, us = us_;
   const double merit = merit_;
@@ -304,7 +307,7 @@ bool AL::isBeyondLimits(Restoration& own) {
 // Returns whether the motion is an affine function of the controls between `us_before` and the candidate's controls.
 // This is tested at the midpoint. For affine motions a large cost is accepted.
 bool AL::movesInLineFrom(const Vectors& us_before) {
-  constexpr double kInLine = 1e-6;  // relative to the distance of the two motions
+  constexpr double kInLine = 1e-6;  // largest deviation of the midpoint, relative to the distance of the two motions
   std::vector<Eigen::VectorXd> us = us_, xs = xs_, xs_before = xs_, xs_after = xs_;
   for (std::size_t t = 0; t < us.size(); ++t) us[t] = 0.5 * (us_[t] + us_before[t]);
   problem_->rollout(us_before, xs_before);

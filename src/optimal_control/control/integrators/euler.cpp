@@ -12,7 +12,8 @@ namespace manycontact {
 
 namespace {
 
-// Calls use(first coordinate, size, J1, J2) for floating and planar joints, with sizes known at compile time.
+// Calls use(first coordinate, size, J1, J2) for each floating or planar joint, with its diagonal blocks of the
+// derivatives J1, J2 of x (+) dx. Sizes are compile-time constants.
 template <class Use>
 void each_wide_joint(const IntegratedActionDataEuler& data, Use&& use) {
   for (const IntegratedActionDataEuler::WideJoint& joint : data.wide_joints) {
@@ -65,7 +66,8 @@ const PanelView& IntegratedActionDataEuler::panel() const {
   return differential->panel;
 }
 
-// Computes gx = h a_x^T g + [J1^T p_q; g] and gu = h a_u^T g from the panel [a_x a_u], where g = h J2^T p_q + p_v.
+// Computes gx = Fx^T p and gu = Fu^T p from the panel [a_x a_u] of derivatives of the acceleration, for p = [p_q; p_v]:
+// gx = h a_x^T g + [J1^T p_q; g] and gu = h a_u^T g, where g = h J2^T p_q + p_v.
 void IntegratedActionDataEuler::pull_back(const Eigen::VectorXd& p, VectorRef gx, VectorRef gu) const {
   if (has_matrices()) return ActionDataAbstract::pull_back(p, gx, gu);
   const Eigen::Index nv = pulled.size();
@@ -93,7 +95,7 @@ void IntegratedActionDataEuler::dynamics(Eigen::MatrixXd& fx, Eigen::MatrixXd& f
   integrate_velocities(fx, fu);
 }
 
-// Computes Fx and Fu. Before the call, the lower halves of fx and fu contain h a_x and h a_u:
+// Computes Fx, Fu with the derivatives J1, J2 of x (+) dx, from h a_x and h a_u in the lower halves of fx and fu:
 //
 //     Fx = [J1 0; 0 0] + [h J2; 1] (h a_x + [0 I]),    Fu = [h J2; 1] h a_u
 void IntegratedActionDataEuler::integrate_velocities(Eigen::MatrixXd& fx, Eigen::MatrixXd& fu) const {
@@ -141,7 +143,7 @@ void differentiate_joints(const StateAbstract& state, const ConstVectorRef& x, I
 
 }  // namespace
 
-// Computes the following Fx and Fu, where J1 and J2 are the derivatives of x (+) dx.
+// Computes the following Fx and Fu, where J1 and J2 are the derivatives of x (+) dx by x and dx, and h is the step.
 //     Fx = J1 + J2 [h^2 a_x + h [0 I]; h a_x]        Fu = J2 [h^2 a_u; h a_u]
 void IntegratedActionModelEuler::differentiate(IntegratedActionDataEuler& d, const ConstVectorRef& x,
                                                const ConstVectorRef* u) {

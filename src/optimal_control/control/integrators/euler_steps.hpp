@@ -12,10 +12,10 @@ const IntegratedActionDataEuler* find_euler(const ActionDataAbstract& node);
 inline IntegratedActionDataEuler& euler_of(ActionDataAbstract& node) {
   return const_cast<IntegratedActionDataEuler&>(*find_euler(node));
 }
-/// Returns find_euler(node) if the derivatives have the symplectic structure, otherwise null. The joints must be known.
-/// The model must not be of a class derived from IntegratedActionModelEuler, unless it stores no matrices.
+/// Returns find_euler(node) if the derivatives are known to have the symplectic structure, otherwise null. They have it
+/// if joints_are_known, and the node stores no matrices or its class is exactly IntegratedActionModelEuler.
 const IntegratedActionDataEuler* known_steps(const ActionModelAbstract& model, const ActionDataAbstract& node);
-/// Sets out.J = J1 and out.G = h J2 of the node's last calcDiff. Allocates only in the first call.
+/// Sets out.J = J1, out.G = h J2 (derivatives of x (+) dx) from a node's last calcDiff. Allocates in the first call.
 void fill_steps(const IntegratedActionDataEuler& euler, lq::SymplecticStructure& out);
 
 }  // namespace manycontact::internal

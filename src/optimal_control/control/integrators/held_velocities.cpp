@@ -12,7 +12,7 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSlow = 0x1p-30;  // the factor s of held_velocities.hpp
+constexpr double kSlow = 0x1p-30;  // factor s: the dynamics are solved at the velocities s v (held_velocities.hpp)
 
 void copy_what_may_change(const Scene& from, Scene& to) {
   to.damping = from.damping;

@@ -2,7 +2,8 @@
 // Accelerations of a scene whose contacts constrain velocities (control/symplectic.hpp). The dynamics are solved and
 // differentiated at the state (q, s v) with gains (alpha, beta / s), so that J a + s^2 J' v = -beta J v - alpha e,
 // where J' is the time derivative of J. With s = 2^-30 the term with J' v is below rounding errors, while beta J v is
-// unchanged. The torques tau include the bias at v.
+// unchanged. The torques tau include the bias at v, as -ID(q, v, -w x v). ID is the inverse dynamics, and -w x v is the
+// acceleration of a free body of angular velocity w and world-constant linear velocity, in its own axes.
 
 #include "manycontact/action/contact_fwddyn.hpp"
 #include "manycontact/algorithm/applied_forces.hpp"
@@ -35,7 +36,7 @@ struct HeldVelocities {
   Eigen::VectorXd q, v, slow;  // q, v: the state; slow: s v
   Eigen::VectorXd tau;         // torques on all coordinates, minus ID(q, v, -w x v)
   std::vector<Kinematics<double>> kin;
-  std::vector<ContactData<double>> contacts;  // contacts of `scene`
+  std::vector<ContactData<double>> contacts;  // data of the contacts of `scene`
   FreeGroups groups;
   FreeMotionDerivatives of_groups;
   Eigen::VectorXd x, q_next, v_next;
@@ -60,14 +61,14 @@ struct HeldVelocities {
     return applied_ ? dtau_dx_ : of.actuation->dtau_dx;
   }
   std::vector<RobotWork> robots_;
-  Eigen::VectorXd turn_, scratch_of_end_;           // nv: -w x v
+  Eigen::VectorXd turn_, scratch_of_end_;           // turn_: -w x v (nv); scratch_of_end_: workspace of finish_step
   Eigen::VectorXd torques_, torques_of_motion_;     // torques of motors, external wrenches, springs; without bias
   Eigen::SparseMatrix<double> dtau_dx_;             // nv x ndx: derivatives of torques_; every entry is stored
   std::unique_ptr<AppliedForces<double>> applied_;  // null if there are no applied forces
   std::unique_ptr<AppliedScratch> scratch_;
   std::vector<int> all_robots_;
-  Eigen::VectorXd unit_, by_q_, by_v_;  // nv
-  Eigen::MatrixXd dtau_;                // nv x (ndx + nw)
+  Eigen::VectorXd unit_, by_q_, by_v_;  // workspace of differentiate_torques (nv)
+  Eigen::MatrixXd dtau_;                // nv x (ndx + nw): derivatives of tau
   Eigen::MatrixXd of_island_, done_;    // derivatives of torques and of accelerations of one island
 };
 

@@ -101,7 +101,7 @@ void CoupledDirection::each_cluster(std::size_t t, Use&& use) {
     use(clusters[c], policies_->policy(static_cast<int>(t), static_cast<int>(c)).K.topRows(clusters[c].nu));
 }
 
-// Sets dx = 0, too, because the steps of `descend` have the feedback K (x (-) xs) about the candidate.
+// Sets du = nu and dx = 0. Steps of SolverDDP::descend thus have the feedback K (x (-) xs) about the candidate xs.
 void CoupledDirection::set_feed_forward(const Vectors& nu) {
   Direction::set_feed_forward(nu);
   for (VectorXd& dx : z_.x) dx.setZero();
@@ -188,7 +188,7 @@ std::vector<Direction::Gains> CoupledDirection::gains(std::size_t t) const {
     const Eigen::MatrixXd& K = policies_->policy(static_cast<int>(t), static_cast<int>(c)).K;
     if (K.rows() < clusters[c].nu) return {};
     out.push_back({{}, {}, -K.topRows(clusters[c].nu)});
-    for (const int b : clusters[c].blocks) {  // the order of x_start and u_start
+    for (const int b : clusters[c].blocks) {  // blocks in the order of x_start and u_start
       for (const int i : blocks_[b].dx) out.back().dx.push_back(part_.dx[i]);
       for (const int i : blocks_[b].u) out.back().u.push_back(part_.u[t][i]);
     }

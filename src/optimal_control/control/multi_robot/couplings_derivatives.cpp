@@ -41,7 +41,8 @@ CouplingSystem system_of(const Couplings& couplings, const std::vector<ActionPar
   return out;
 }
 
-// Returns an orthonormal basis, as rows, of the complement of W's rows, which are the free translations and rotations.
+// Returns an orthonormal basis, as rows, of the complement of W's rows. W's rows are the translations and rotations
+// that a contact constrains; the complement contains those that it leaves free.
 Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
     const Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6>& W) {
   const Index m = W.rows();
@@ -65,9 +66,10 @@ Eigen::Matrix<double, Eigen::Dynamic, 6, 0, 6, 6> complement_of(
   return N;
 }
 
-// Adds terms of one end to C and D: the rotation of the frame of r2, the term delta f, and rows for components that W
-// does not have. The derivative is d(W F) = W (X^T w - s x* F + th x F), with the force F in A's axes, s = J_A dq_A,
-// and the rotation th of a world-aligned frame.
+// Adds the terms of the subproblem of A to the rows C dx + D du of a coupling. W are its contact's m constrained
+// directions. The first m rows get the rotation of the axes in which the acceleration residual r2 is expressed, and
+// delta W F, with the damping delta. The others require that the force F has no components in free directions. With F
+// in A's axes, d(W F) = W (X^T dw - s x* F + th x F), where s = J_A dq_A, and th rotates a world-aligned frame.
 void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Index first, Index w, MatrixRef C,
                     MatrixRef D) {
   const ContactDerivatives& dr = coupling.derivatives;
@@ -91,7 +93,8 @@ void add_force_rows(const CouplingData::OfCoupling& coupling, double delta, Inde
   }
 }
 
-// Gradients Lx + Gx^T y_g + Hx^T y_h, Lu + Gu^T y_g + Hu^T y_h of a subproblem. rows: indices of its [y_g; y_h] in y.
+// Gradients Lx + Gx^T y_g + Hx^T y_h, Lu + Gu^T y_g + Hu^T y_h of a subproblem, with the multipliers y_g, y_h of its
+// constraints. rows: indices of [y_g; y_h] in the multipliers y of the whole node.
 struct PartGradient {
   VectorXd x, u;
   PartGradient(const ActionDataAbstract& d, const VectorXd& y, const std::vector<int>& rows, bool terminal)
@@ -133,7 +136,8 @@ void terminal_gradient(const ActionModelParts& model, const ActionDataParts& d, 
 
 }  // namespace
 
-// Sets C and D in the rows of coupling b, for the subproblem of A if of_a, otherwise for that of B.
+// Sets the coefficients C of dx and D of du in the equations of coupling b, for the subproblem of A if of_a, otherwise
+// for that of B.
 void Couplings::share_of_end(const std::vector<ActionPart>& parts, ActionDataParts& d, std::size_t b, bool of_a) const {
   CouplingData& own = *d.couplings;
   const Contact& contact = scene_.contacts[couplings_[b].contact];

@@ -21,7 +21,7 @@ std::unique_ptr<Direction> SolverSparse::direction_of(ShootingPart part) const {
 
 void SolverSparse::allocateData() {
   if (nodes_ == problem_->get_runningDatas() && terminal_ == problem_->get_terminalData()) return;
-  nodes_.clear();  // set again when all directions are current
+  nodes_.clear();  // set below, when all directions are current; an exception thus repeats this function
   std::vector<ShootingPart> parts = separate(*problem_);
   const auto follows = [](const Direction& own, const ShootingPart& part) {
     return own.part().x == part.x && own.part().dx == part.dx && !dynamic_cast<const CoupledDirection*>(&own) &&

@@ -24,7 +24,8 @@ Vec6<double> moved(const ConstVectorRef& w, const Vec3<double>& r) {
   return out;
 }
 
-// Returns whether coordinate j moves the motion subspace S_k of k, on the same chain: unless j's joint is below k's.
+// Returns whether coordinate j moves the motion subspace S_k of coordinate k, where one of their joints is an ancestor
+// of the other, or both are one joint. It does unless j's joint is a descendant of k's.
 bool moves_subspace(const Model& model, int j, int k) {
   if (j <= k) return true;  // j then belongs to an ancestor or to the same joint
   for (const Joint& joint : model.joints)

@@ -273,7 +273,8 @@ void Model_::lay_out(Data& d) const {
   if (constraints_) constraints_->lay_out(*d.constraints, d.constraints->terminal);
 }
 
-// Computes v+ = w - e v, where w is the acceleration xout of `dynamics` at rest.
+// Computes the velocity v+ = w - e v after the impact, with the velocity v before it and the restitution e. w is the
+// acceleration xout of `dynamics` at zero velocity and u = v.
 void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u) {
   constexpr const char* where = "ActionModelImpulseFwdDynamics::calc";
   const internal::ActionTerms terms{*costs_, constraints_.get()};
@@ -308,7 +309,7 @@ void Model_::evaluate(Data& d, const ConstVectorRef& x, const ConstVectorRef* u)
   d.stage = u ? Stage::kRunning : Stage::kTerminal;
 }
 
-// Computes dv+/dq = dw/dq and dv+/dv = dw/dv - e I. The controls of `dynamics` are v.
+// Computes dv+/dq = dw/dq and dv+/dv = dw/dv - e I, where w is the acceleration of `dynamics`, whose controls are v.
 void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef* u) {
   const Stage stage = u ? Stage::kRunning : Stage::kTerminal;
   internal::check_stage(kActionModelImpulseFwdDynamics,
@@ -320,7 +321,7 @@ void Model_::differentiate(Data& d, const ConstVectorRef&, const ConstVectorRef*
   dvnext.leftCols(nv) = d.dynamics->Fx.leftCols(nv);
   dvnext.rightCols(nv) = d.dynamics->Fu;
   dvnext.rightCols(nv).diagonal().array() -= r_coeff_;
-  // df_dx are views of the panel, and get the derivatives w.r.t. v
+  // Copies the columns of u, which is v, to those of v, so that the contacts' views df_dx show derivatives w.r.t. v.
   for (RowMajorMatrix& panel : m.custom) panel.middleCols(nv, nv) = panel.rightCols(nv);
   for (auto& [name, contact] : m.contacts->contacts)
     if (contact->active) new (&contact->df_du) PanelView(nullptr, contact->Jc.rows(), 0, Eigen::OuterStride<>(0));

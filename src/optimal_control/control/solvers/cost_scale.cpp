@@ -11,8 +11,8 @@ namespace manycontact::internal {
 
 namespace {
 
-constexpr double kSmall = 1e-6, kLarge = 1e7;             // least Hessian of controls, largest Hessian, without scaling
-constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, largest Hessian, after scaling
+constexpr double kSmall = 1e-6, kLarge = 1e7;             // scaled: Hessians of controls below kSmall, any above kLarge
+constexpr double kUsualControls = 1e-4, kUsualAll = 1e2;  // Hessian of controls, or largest Hessian, when scaled
 
 struct Sizes {  // the largest absolute values on the diagonals of Lxx (all) and Luu (controls)
   double all = 0, controls = 0;

@@ -9,7 +9,7 @@ struct CostScale {  // sizes of a problem's cost, determined from the Hessians a
   /// below 1e-6 (too small for an absolute regularisation), or if a Hessian is above 1e7 (absolute thresholds are then
   /// below rounding errors). It is a power of two, so that weights times a power of two give exactly the same motion.
   double cost = 1;
-  double gradient = 1;  // unit of gradients, proportional to the cost: sqrt(smallest Hessian of controls * largest)
+  double gradient = 1;  // unit of gradients, proportional to the cost: sqrt(smallest control Hessian * largest Hessian)
 };
 CostScale cost_scale(const ShootingProblem& problem);
 

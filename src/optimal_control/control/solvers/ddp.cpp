@@ -40,7 +40,7 @@ void SolverDDP::resizeData() {
   allocateData();
 }
 
-// Allocates only vectors and matrices whose sizes have changed.
+// Resizes the vectors of the solver and its directions to the problem. Allocates only those whose sizes have changed.
 void SolverDDP::allocateData() {
   internal::fit_all(problem_->get_T() + 1, problem_->get_nx(), xs_try_);
   internal::fit_all(problem_->get_T() + 1, problem_->get_ndx(), Vx_);

@@ -12,10 +12,10 @@ using Vectors = std::vector<Eigen::VectorXd>;
 namespace {
 
 constexpr double kArmijo = 1e-4;             // least accepted share of the reduction that the slope predicts
-constexpr double kSlope = 0.8;               // 1 - 2 delta of Hager and Zhang, delta = 0.1
+constexpr double kSlope = 0.8;               // largest slope after a step, relative to that before (Hager and Zhang)
 constexpr double kLeast = 0.1, kMost = 0.5;  // bounds of the next step length, relative to a rejected step length
 constexpr int kTrials = 12;
-constexpr double kShort = 0.11, kVeryShort = 0.01;  // two in a row below kShort, or one below kVeryShort, end descend
+constexpr double kShort = 0.11, kVeryShort = 0.01;  // two step lengths below kShort or one below kVeryShort end descend
 
 }  // namespace
 

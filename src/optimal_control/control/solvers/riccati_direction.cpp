@@ -19,7 +19,7 @@ const IntegratedActionDataEuler* without_matrices(const ActionDataAbstract& data
   return data.has_matrices() ? nullptr : dynamic_cast<const IntegratedActionDataEuler*>(&data);
 }
 
-// Returns whether the backward pass can read the derivatives of a node.
+// Returns whether the backward pass can read a node's derivatives: matrices with ndx rows, or a panel of Euler's data.
 bool is_readable(const ActionDataAbstract& data, Index ndx) {
   return data.has_matrices() ? data.Fx.rows() == ndx : without_matrices(data) != nullptr;
 }
@@ -46,7 +46,7 @@ bool is_sound(const MatrixXd& V, const VectorXd& v) {
 
 }  // namespace
 
-// Allocates only vectors and matrices whose sizes have changed.
+// Resizes vectors and matrices to the subproblem. Allocates only those whose sizes have changed.
 void RiccatiDirection::resize() {
   Direction::resize();
   node_ = kNoNode;
@@ -109,7 +109,8 @@ void RiccatiDirection::add_gap(std::size_t t) {
   Vx_[t] += Vxx_fs_[t];
 }
 
-// Copies [fu fx] into riccati_, for symplectic Euler only the lower half. Then returns the structure of the upper half.
+// Copies [Fu Fx] of a node into riccati_ and returns null. For symplectic Euler, copies only the lower half and returns
+// the structure that gives the upper half.
 const lq::SymplecticStructure* RiccatiDirection::set_dynamics(const ActionModelAbstract& model,
                                                               const ActionDataAbstract& data) {
   const auto* euler = dynamic_cast<const IntegratedActionDataEuler*>(&data);
@@ -293,7 +294,8 @@ bool BoxDirection::compute_gains(std::size_t t) {
 
 void BoxDirection::limit_control(std::size_t t) { internal::keep_limits(*part_.problem->model(t), us_try_[t]); }
 
-// Solves with all of Quu (the box QP's inverse is zero for clamped controls). Zeroes entries of controls at limits.
+// Replaces g by Quu^-1 g with all of Quu, because the box QP's inverse is zero for clamped controls. Then zeroes the
+// entries of controls at limits.
 void BoxDirection::precondition_feed_forward(Vectors& g) {
   for (std::size_t t = 0; t < g.size(); ++t) {
     if (g[t].size() == 0) continue;

@@ -30,7 +30,8 @@ struct Restore {  // restores a number at the end of the scope
 
 }  // namespace
 
-// Decides with the KKT residual, because cost reductions below the cost's rounding error cannot be tested.
+// Decides by the KKT residual whether a candidate without an accepted step is optimal. Cost reductions below the cost's
+// rounding error cannot be tested.
 StopReason SolverDDP::judgeWithoutStep() {
   problem_->calc(xs_, us_);  // the nodes' data belong to the last, rejected trial step
   calcDiff();
@@ -38,7 +39,7 @@ StopReason SolverDDP::judgeWithoutStep() {
   return kkt_ <= th_kkt_ ? StopReason::kConverged : StopReason::kNoStep;
 }
 
-// Returns whether the expected reduction is also small at the least regularisation; a larger one shortens each step.
+// Returns whether the reduction expected at the least regularisation is below th_stop. A larger one shortens steps.
 bool SolverDDP::stopsUnregularised() {
   if (!judges_ || preg_ <= reg_min_ * scale_) return true;
   const double preg = preg_, dreg = dreg_;
@@ -52,8 +53,9 @@ bool SolverDDP::stopsUnregularised() {
   return stops;
 }
 
-// Returns whether half g^T Quu^-1 g is small, where g is the projected gradient w.r.t. the feed-forward terms. Returns
-// false for a regularised direction, because its larger Quu makes this value too small.
+// Returns whether the expected reduction is below optimality_gap. It is half g^T Quu^-1 g, where g is the gradient with
+// respect to the feed-forward terms, projected onto the limits. Returns false for a regularised direction, because its
+// larger Quu makes this value too small.
 bool SolverDDP::isOptimalWithinLimits() {
   if (preg_ > reg_min_ * scale_) return false;
   problem_->calc(xs_, us_);

@@ -39,7 +39,7 @@ class CoupledDirection : public Direction {
   const lq::Outcome& outcome() const { return outcome_; }
 
   void resize() override;
-  bool compute(double preg, double dreg) override;  // false also if the KKT error exceeds lq::kAccurate
+  bool compute(double preg, double dreg) override;  // returns false also if the KKT error exceeds lq::kAccurate
   Eigen::Vector2d improvement(bool) override { return improvement_; }
   double expected_reduction() const override { return improvement_[0] + 0.5 * improvement_[1]; }
   /// Override RiccatiDirection's functions with the clusters' gains K, and the coupled Hessian instead of diag(Quu).

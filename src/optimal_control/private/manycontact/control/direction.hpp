@@ -66,7 +66,7 @@ class Direction {
   ShootingPart part_;
   Vectors xs_, us_, fs_, xs_try_, us_try_;  // the subproblem's share of the solver's candidate, and of the trial step
   bool is_feasible_ = false;
-  Vectors Vx_, k_, dx_;        // T + 1, T, T
+  Vectors Vx_, k_, dx_;        // Vx_ of all nodes (T + 1); k_ and dx_ of running nodes (T)
   Eigen::VectorXd step_;       // ndx: workspace
   bool held_changed_ = false;  // whether the last gradient has other controls at limits than the gradient before it
 

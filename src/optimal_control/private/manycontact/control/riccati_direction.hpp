@@ -47,9 +47,9 @@ class RiccatiDirection : public Direction {
   /// Records the controls of node t at limits that a descent would exceed, and sets their gradient entries to zero.
   virtual void hold_controls(std::size_t, Eigen::VectorXd&) {}
 
-  std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // T; L_: Cholesky factors of Quu
-  Vectors Qx_, Qu_;                             // T
-  std::vector<MatrixXdRowMajor> K_;             // T
+  std::vector<Eigen::MatrixXd> Qxu_, Quu_, L_;  // one entry per running node; L_: Cholesky factors of Quu
+  Vectors Qx_, Qu_;                             // one entry per running node
+  std::vector<MatrixXdRowMajor> K_;             // one entry per running node
 
  private:
   Eigen::MatrixXd& value(std::size_t t) { return keeps_values_ ? Vxx_[t] : two_values_[t % 2]; }
@@ -58,9 +58,9 @@ class RiccatiDirection : public Direction {
   const lq::SymplecticStructure* set_dynamics(const ActionModelAbstract& model, const ActionDataAbstract& data);
   bool keeps_values_;
   double preg_ = 0;
-  std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // T + 1, T
+  std::vector<Eigen::MatrixXd> Vxx_, Qxx_;  // Vxx_ per node (T + 1), Qxx_ per running node (T)
   Eigen::MatrixXd two_values_[2];           // Vxx of nodes t and t + 1, if keeps_values_ is false
-  Vectors Vxx_fs_, Quuk_;                   // Vxx fs (T + 1), if the candidate has gaps; Quu k (T)
+  Vectors Vxx_fs_, Quuk_;                   // Vxx fs per node, if the candidate has gaps fs; Quu k per running node
   lq::RiccatiStep riccati_;
   lq::SymplecticStructure steps_;
   static constexpr std::size_t kNoNode = static_cast<std::size_t>(-1);

@@ -15,7 +15,7 @@ class BlockCholesky {
  public:
   struct Vertex {
     int size;
-    double sign;  // +1 or -1
+    double sign;  // +1 or -1, the sign of this vertex's part of D
   };
 
   /// vertices: the diagonal blocks in the order of elimination. edges (u, v): nonzero blocks off the diagonal.
@@ -30,7 +30,8 @@ class BlockCholesky {
   /// Adds sign * relative * (largest entry of the vertex's rows) to each vertex's diagonal, to make S quasi-definite.
   void add_proximal_term(double relative);
 
-  /// Factorizes S. Returns the first vertex with a pivot of wrong sign or below `least` times its summands, or -1.
+  /// Factorizes S. Returns -1, or the first vertex with a pivot of wrong sign, or one smaller than `least` times the
+  /// diagonal entry from which the vertex's Cholesky factorization computes it.
   [[nodiscard]] int factorize(double least);
   void solve(Eigen::VectorXd& x) const;  // replaces x by S^-1 x, where x is ordered by vertex
 
@@ -41,14 +42,14 @@ class BlockCholesky {
 
  private:
   struct Below {
-    int vertex, row;  // row: first row of the vertex in the panel
+    int vertex, row;  // the vertex of a block below the diagonal, and the first row of this block in the panel
   };
   struct Column {
-    Eigen::MatrixXd diagonal;  // lower triangle
+    Eigen::MatrixXd diagonal;  // the diagonal block, of which only the lower triangle is used
     Eigen::MatrixXd panel;     // all blocks below the diagonal, stacked by rows
-    std::vector<Below> below;  // ascending
+    std::vector<Below> below;  // the blocks of `panel`, by ascending vertex
   };
-  Eigen::Ref<Eigen::MatrixXd> block(int u, int v);  // u > v
+  Eigen::Ref<Eigen::MatrixXd> block(int u, int v);  // the block of rows u and columns v, u > v
 
   std::vector<Vertex> vertices_;
   std::vector<int> start_;

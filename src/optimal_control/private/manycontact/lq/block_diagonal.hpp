@@ -15,13 +15,13 @@ using Block = Eigen::Ref<MatrixXd>;
 using ConstBlock = const Eigen::Ref<const MatrixXd>&;
 
 struct BlockDiagonal {
-  static constexpr int kLargestPart = 6;  // rows
+  static constexpr int kLargestPart = 6;  // largest number of rows of a part
   struct Part {
     int first;
     Eigen::MatrixXd block;  // occupies rows and columns first, first + 1, ...
   };
   double scale = 0;
-  std::vector<Part> parts;  // ascending
+  std::vector<Part> parts;  // the diagonal blocks, by ascending `first`
 };
 
 // Each function computes C <- beta C + (the product in its comment), beta 0 or 1. C must not alias other arguments.

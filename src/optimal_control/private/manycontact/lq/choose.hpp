@@ -7,7 +7,7 @@
 namespace manycontact::lq {
 
 struct Prediction {
-  double dense, islands, coupling_schur;  // operations of factorize
+  double dense, islands, coupling_schur;  // operations of factorize by each method
 };
 Prediction predict(const Problem& problem);  // operations predicted from sizes, groups and couplings
 

@@ -10,13 +10,13 @@ struct CouplingPart {  // the w or the mu of one coupling, as a part of the vect
   int coupling;
   bool is_w;
   int at, size;        // offset and size in the cluster's y of the knot
-  int vertex, offset;  // place in the Schur complement
+  int vertex, offset;  // vertex of the Schur complement S, and first row in this vertex
 };
 
 struct CouplingNode {  // The couplings of one cluster in one knot.
-  int cluster = 0;     // index of the cluster in the plan's knot
+  int cluster = 0;     // index of the cluster in the plan of this knot
   std::vector<CouplingPart> parts;
-  int size = 0;  // size of y
+  int size = 0;  // size of the cluster's y in the knot
 };
 
 /// The place of a coupling's w and mu in S, given by the vertex and the first row within this vertex.

@@ -5,7 +5,7 @@
 
 namespace manycontact::lq {
 
-/// Sets h, which contains q in x, r in u and w, x0 and f of the knots 0 ... T-1 in lambda, and d in mu.
+/// Sets h from the problem: h.x to q, h.u and h.w to r, h.lambda to x0, then f of the knots 0 ... T-1, and h.mu to d.
 void linear_terms(const Problem& problem, const Layout& layout, Point& h);
 
 /// Computes residual = H z + h. Returns the largest relative error of an equation: |residual| over the largest sum of

@@ -31,7 +31,7 @@ class RiccatiStep {
   void multiply(ConstMatrix P);  // H = F^T P F
   /// Computes H in half the operations for the structure of `steps`. F contains the lower halves of A and B.
   void multiply(ConstMatrix P, const SymplecticStructure& steps);
-  /// Computes H if the rows of F of each member have nonzeros only in the columns of this member.
+  /// Computes H of a cluster of several groups (members), whose rows of F have nonzeros only in their own columns.
   void multiply(ConstMatrix P, const std::vector<Member>& members);
   void set_zero();  // sets H = 0 in a terminal knot
 

@@ -11,12 +11,12 @@ struct PlanClosing {
   int contact = 0;
   std::size_t node = 0;
   double time = 0;   // s
-  double above = 0;  // height [m] of A's origin above its reference (world's z), or distance of two bodies' frames
+  double above = 0;  // height [m] of A's origin above its reference in the world, or distance if this is on a robot
   double aside = 0;  // horizontal distance [m] of A's origin from its reference
   double speed = 0;  // speed [m/s] of A's origin relative to B'
-  bool holds_there = true;  // frames are fixed where they are, not at the scene's placement (TaskPhase::at_scene)
+  bool holds_there = true;  // A stays where it closes, not at the placement in the scene (TaskPhase::at_scene)
 };
-/// Returns the closings by time. In a step forward `aside` is nonzero; if a contact closes in the air, `above` is.
+/// Returns the closings of contacts by time. `aside` is nonzero for steps forward, `above` for contacts in the air.
 std::vector<PlanClosing> closings(const TaskFile& task, const std::vector<Eigen::VectorXd>& xs);
 
 struct PlanLimit {  // A coordinate beyond a limit of the robot's file, at the node where it is furthest beyond.
