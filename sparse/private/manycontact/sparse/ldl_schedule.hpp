@@ -54,7 +54,7 @@ struct LdlSchedule {
   std::vector<Target> targets;
   std::vector<Group> groups;  // groups of rows, the last rows first
   std::vector<Segment> segments;
-  std::vector<int> packed;  // slots of L for groups; -1: a zero
+  std::vector<int> packed;  // slots in L of the entries that groups use; -1: an entry that is zero
 
   bool compiled() const { return !Lp.empty(); }  // false: it would need too much memory
   int nonzeros() const { return Lp.back(); }
