@@ -61,7 +61,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Computes the entries of the derivatives for each coordinate k of joint i, paired with k and its ancestors.
+// Computes the entries of dtau/dq and dtau/dv for each coordinate k of joint i, paired with k and with its ancestors.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;

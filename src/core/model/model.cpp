@@ -65,7 +65,7 @@ std::vector<int> path_to_anchor(const Model& model, int root) {
   std::vector<int> path{root};
   std::size_t length = 1;
   for (int j = root, coordinates = model.joints[root].nv(); !model.floating_base;) {
-    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // joints: size of the subtree of `next`, or its bound
+    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // joints: size of next's subtree; its lower limit
     for (int child = j + 1; child < model.subtree_end[j]; child = model.subtree_end[child])
       if (model.subtree_end[child] - child > joints) next = child, joints = model.subtree_end[child] - child;
     if (next < 0 || (coordinates += model.joints[next].nv()) > kBaseCoordinates) break;

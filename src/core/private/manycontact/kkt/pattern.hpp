@@ -13,7 +13,7 @@ namespace manycontact {
 
 struct IslandSupport {
   std::vector<ContactSupport> contacts;   // one entry per contact of the island; coordinates numbered within the robots
-  std::vector<std::vector<int>> columns;  // one entry per contact: columns in the island, first those above A, then B'
+  std::vector<std::vector<int>> columns;  // one entry per contact: the island's coordinates that move A, then B'
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 

@@ -59,8 +59,9 @@ struct DependentRows {          // the dropped rows, the null space basis N and 
   bool M_first = true;                // whether no row of M follows a row of J
 };
 
-/// Computes least (n), limits of pivots relative to their terms below which rows wait. A row of J waits if its pivot or
-/// the row is at most `margin` times its rounding error (rank/pivots.hpp). row_size: n sizes of J's rows.
+/// Computes least (n): a row waits (is not eliminated with the others) if its pivot is below `least` times the pivot's
+/// terms. A row of J waits if its pivot, or its largest entry, is at most `margin` times its rounding error
+/// (rank/pivots.hpp). row_size: n sizes of J's rows.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 

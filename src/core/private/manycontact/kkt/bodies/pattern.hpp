@@ -36,7 +36,8 @@ struct BodyPattern {
   void complete_analysis();    // members after `B`, from those before
 };
 
-/// Takes time linear in bodies and contacts plus, for each row, the bodies between its ends.
+/// Returns the pattern of an island, in time linear in bodies and contacts plus, for each row, the bodies between its
+/// ends.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
 /// Returns the node of an attachment, or -1 if it is immovable.
