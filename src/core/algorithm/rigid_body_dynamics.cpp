@@ -113,7 +113,7 @@ void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, co
 }  // namespace
 }  // namespace internal
 
-// ---- state ---------------------------------------------------------------------------------------------------------
+// ---- kinematics at a state -----------------------------------------------------------------------------------------
 
 void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
   internal::at_state("forward_kinematics", bodies, q, nullptr, nullptr, data);
@@ -180,7 +180,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
   return m.qdd;
 }
 
-// ---- inertia -------------------------------------------------------------------------------------------------------
+// ---- inertia matrix M and its inverse ------------------------------------------------------------------------------
 
 const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
   RigidBodyMemory& m = internal::at_state("crba", bodies, q, nullptr, nullptr, data);
@@ -223,7 +223,7 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
   return out;
 }
 
-// ---- derivatives ---------------------------------------------------------------------------------------------------
+// ---- derivatives of inverse and forward dynamics -------------------------------------------------------------------
 
 namespace {
 

@@ -124,7 +124,7 @@ inline constexpr int kOneByOne = 400;
 inline constexpr int kSmallInverse = 64;
 /// Largest number of rows of a sparse-bodies subtree in a SIMD batch. The cost is quadratic in the rows.
 inline constexpr int kLargestSubtree = 64;
-/// sparse-bodies: largest number of uneliminated rows with both ends in a node's subtree; a body has six motions.
+/// sparse-bodies: largest number of uneliminated rows of J with both ends in a body's subtree; a body has six motions.
 inline constexpr int kMostOpen = 6;
 /// sparse-bodies: upper limit of least_left (kkt/bodies/factorize.cpp), a pivot's rounding error relative to its terms.
 inline constexpr double kMostKept = 1e-5;
@@ -252,7 +252,7 @@ inline constexpr double kQuaternion = 1e-6;
 
 /// Hager's and Higham's estimate of a 1-norm is a lower bound. The norm is nearly always below this times the estimate.
 inline constexpr double kNormEstimate = 3;
-/// Rounding error, in eps, of a term of a row in error bounds; each joint from the base to the row adds one.
+/// Rounding error, in eps, of a term of K x = b in error bounds; those in joint space add one per joint of a chain.
 inline constexpr int kBoundRounding = 12;
 
 /// Largest sound ratio of the terms of an equation of K x = b to its diagonal entry (inertia or damping) times the
@@ -262,8 +262,8 @@ inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<
 /// Least force relative to which residuals of a solution are judged, as a fraction of the largest load.
 inline constexpr double kLeastLoad = 1e-3;
 
-/// If the backward error exceeds kConverged, residuals are judged relative to at least this fraction of what the terms
-/// of their row could be (backward_error_of_data in fallbacks.cpp), so that two digits may cancel.
+/// If the backward error exceeds kConverged, a residual is judged relative to at least this fraction of the terms that
+/// its row would have if |M_jk| were sqrt(M_jj M_kk) and J_jk the size of row j. Thus two digits may cancel.
 inline constexpr double kPartOfData = 1e-2;
 
 // ---- the precision `extended` ---------------------------------------------------------------------------------

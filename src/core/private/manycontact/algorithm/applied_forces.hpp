@@ -40,7 +40,7 @@ struct AppliedForces {  // a scene's external wrenches and springs at one state;
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes each robot's `f` in the tree frame at q (nq), v (nv). f is NaN for springs that are not `directed`.
+/// Computes OfRobot::f, the forces on bodies, at q (nq), v (nv). They are NaN for springs that are not `directed`.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);

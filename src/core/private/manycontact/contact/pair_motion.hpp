@@ -27,7 +27,7 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
   return out;
 }
 
-/// The bias acceleration of one contact of a pair without nudot, and its derivatives. nu: relative velocity of A and B';
+/// The bias acceleration of a contact of a pair without nudot, and its derivatives. nu: relative velocity of A and B';
 /// G: placement of A in B'; alpha, beta: gains; e: position error; r: rotation between the axes:
 ///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,
 ///     5D: as points, and alpha r + beta nu_ang

@@ -11,7 +11,7 @@ inline constexpr double kPredictedSecond = 0.2e-9;  // duration of the unit of c
 inline constexpr double kLdlRow = 17, kLdlEntry = 20, kLdlFlop = 0.18;
 inline constexpr double kLdlBlock = 215, kLdlRange = 0.65, kLdlShortRange = 2.2;
 
-// Kinematics, M, J and K: per row of K, per contact, and what is added per contact outside SIMD batches.
+// Costs of computing kinematics, M, J and K: per row of K, per contact, and added per contact outside SIMD batches.
 inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone = 670;
 
 // sparse-cholmod: costs per call, row of K, entry of L, and multiply-add.

@@ -26,7 +26,7 @@ struct DependentRows {          // the dropped rows, the null space basis N and 
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected = 0;  // max |z_j| of columns that are not orthonormalised; eps z_j^2 is the error of P
-  int largest_cluster = 0;       // largest number of entries of B in a cluster
+  int largest_cluster = 0;       // largest number of entries of a cluster's B
 
   /// Whether the dropped rows depend on the kept rows: after find_null_space, J^T N is a rounding error (kRowLeft), and
   /// columns of N that are not orthonormalised have no large z_j (kLargestEntry).

@@ -55,7 +55,7 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   std::vector<Vec6<double>> G, H;  // one entry per row open at a node: G before its joint is eliminated; H: G after it
   std::vector<double> W, E;        // W = G S; E: L's columns below the diagonal, on it E_kk^-1 of eliminated rows
   std::vector<int> base_row;       // rows still open at the bases, in elimination order
-  std::vector<double> base_E;      // entries of E for base_row
+  std::vector<double> base_E;      // E in the rows and columns base_row
   std::vector<double> pivot_sum;   // one entry per row: sum of the terms of E_kk that joints contributed
   std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
   double growth = 1;               // largest factor by which P grew when rows were eliminated
