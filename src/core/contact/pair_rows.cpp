@@ -20,7 +20,7 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   std::vector<int> key{rank};
   for (const Contact& member : members) key.push_back(static_cast<int>(member.type));
   const std::lock_guard lock(mutex);
-  constexpr int kFirst = 16;  // above all contact types
+  constexpr int kFirst = 16;  // least kind of a pair, above all contact types
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
@@ -111,7 +111,8 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// Computes Q, R, R_right and terms, B = Q R. Returns false if B's rows are independent or their rank is doubtful.
+// Factorizes the rows B of all contacts of a pair as Q R, and sets R_right and terms. Returns false if B's rows are
+// independent or their rank is doubtful.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);

@@ -89,7 +89,7 @@ void make_projector(int n, DependentRows& rows);  // computed from N; n: rows of
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
 /// After ldl_factor_dependent: finds the dependent waiting rows, N and its projector. Certainly dependent rows are
-/// dropped; others join by their Schur complement unless it shows dependence. False: rounding hides the rank.
+/// dropped; others join the kept rows unless their Schur complement shows dependence. False: rounding hides the rank.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);

@@ -49,7 +49,7 @@ struct PassedOn {
   }
 };
 
-/// PassedOn, but only for pivots below in the elimination tree, since errors reach only a pivot's ancestors.
+/// Judges pivots as PassedOn does, but only with pivots below in the elimination tree, whose errors alone reach them.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)

@@ -45,7 +45,7 @@ Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
 struct BodyLdl {  // Block L D L^T from the leaves to the root.
   // set by factorize_bodies
-  std::vector<Mat6<double>> P;  // one entry per node: inertia before its joint is eliminated
+  std::vector<Mat6<double>> P;  // one entry per node: articulated inertia before its joint is eliminated
   Mat6X<double> U;              // 6 x nv: P S of each joint
   std::vector<double> Dinv;     // D^-1 of each joint, ndof x ndof numbers per node
   std::vector<int> count,

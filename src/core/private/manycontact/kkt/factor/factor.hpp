@@ -52,7 +52,7 @@ class Factor {
   /// nonzero: flags of K's rows, in elimination order, where these columns may be nonzero; overwritten.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// solve_panel, refined once by X + K^-1 (B - K X). work.nonzero: its flags; work.B: memory as large as X.
+  /// Solves as solve_panel does, refined once by X + K^-1 (B - K X). work.nonzero: flags; work.B: memory as large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
   virtual void release_panels() {}  // a later solve_panel allocates again
@@ -63,7 +63,7 @@ class Factor {
   /// Subtracts P y from the contact rows of y, with the projector P on the null space of J^T. Adds P y to
   /// null_component (one entry per row of K) unless it is nullptr. Does nothing if J has full rank.
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
-  /// Subtracts P X from the first `cols` columns of a panel X, which is stored as in solve_panel.
+  /// Subtracts P X (P: see project_out) from the first `cols` columns of a panel X, stored as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
   /// Sets one flag per row of J, numbered within the island (nc), if project_out may change the row.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
