@@ -34,7 +34,7 @@ struct Inverse {
 /// Eliminates the columns of a block one by one: `width` columns from `first` on, with `below` rows below them.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
-  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
+  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c in row a, for the block's columns c < a
   const int step = width + below - 2;
   V* column = L;
   for (int a = 0; a < width; ++a) {

@@ -19,7 +19,7 @@ inline constexpr double kPivotLeft = 1e-11;
 /// (motion_scale, detail/contact/rows.hpp). Smaller lengths are rounding errors.
 inline constexpr double kRank = 1e-11;
 
-/// Rounding error of a sum of six to eight products of 2 eps each, in eps of the scalar in use (double or quadruple).
+/// Rounding error of a sum of six to eight products, 2 eps for each, in eps of the scalar in use (double or quadruple).
 inline constexpr int kRounding = 16;
 
 /// Least sound pivot of a damped K, in eps of the scalar in use times the pivot's terms: its rounding error changes

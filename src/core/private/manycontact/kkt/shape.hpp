@@ -29,7 +29,7 @@ class IslandShape {
   const std::vector<int>& permutation(Order order);
   const sparse::LdlCounts& counts(Order order);  // sizes of K's factor, without its pattern
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);  // keeps this order
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);  // analysis of K in this order
   const std::shared_ptr<const BodyPattern>& bodies();
   const BodySubtrees& body_subtrees();  // subtrees of trees cut at constrained bodies
 
