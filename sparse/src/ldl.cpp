@@ -147,7 +147,7 @@ void pivot_terms(const UpperCsc& A, const LdlSymbolic& s, const double* Ax, cons
 }
 
 double ldl_rounding(const LdlSymbolic& s) {
-  int of_row = 0, of_column = 0;  // largest numbers of entries in a row and in a column
+  int of_row = 0, of_column = 0;  // largest numbers of entries in a row and in a column of L
   for (int k = 0; k < s.n; ++k) {
     of_row = std::max(of_row, s.Rp[k + 1] - s.Rp[k]);
     of_column = std::max(of_column, s.Lp[k + 1] - s.Lp[k]);

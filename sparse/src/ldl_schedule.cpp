@@ -98,7 +98,7 @@ LdlSchedule compile_ldl(const UpperCsc& A, const LdlSymbolic& s, int columns) {
   for (int k = 0; k < out.blocks(); ++k)
     std::fill(block_of.begin() + out.block[k], block_of.begin() + out.block[k + 1], k);
   const std::size_t limit = 4 * (sizeof(int) + sizeof(double)) * s.nonzeros() / sizeof(LdlSchedule::Target);
-  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // rows of its last column
+  const auto rows_below = [&](int k) { return s.Li.data() + s.Lp[out.block[k + 1] - 1]; };  // rows of k's last column
   out.run.assign(1, 0);
   for (int k = 0; k < out.blocks(); ++k) {
     const int* rows = rows_below(k);

@@ -11,7 +11,8 @@ namespace {
 
 int count(const LdlSymbolic& L, int k) { return L.Lp[k + 1] - L.Lp[k]; }
 
-// Flags the columns that have more rows in `leading`, which is relaxed, than among the leading rows of L.
+// Flags the columns to which the relaxation of `leading` added zeros: they have more entries in `leading` than in the
+// same rows of L.
 std::vector<char> nested_like(const LdlSymbolic& leading, const LdlSymbolic& L) {
   std::vector<char> nested(L.n, 0);
   for (int k = 0; k < leading.n; ++k) {

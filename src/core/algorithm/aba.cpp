@@ -17,7 +17,8 @@ AbaData<S>::AbaData(const Model& model)
 namespace {
 
 // Backward step for joint i with N coordinates: U = IA S, D = S^T U + armature, u = tau - S^T pA. Adds IA - U D^-1 U^T
-// and pA + U D^-1 u to the parent's. Bias accelerations are part of kin.a. Returns false unless D > 0.
+// and pA + U D^-1 u to the parent's IA and pA. kin.a has the bias accelerations. Returns false unless D > 0 (N = 1: and
+// above its rounding error).
 template <class S, int N>
 bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d) {
   const int iv = joint.idx_v;
@@ -46,7 +47,7 @@ bool eliminate(const Model& model, const Joint& joint, int i, const Kinematics<S
   return true;
 }
 
-// Forward step for joint i: qdd = D^-1 (u - U^T a'), a = a' + S qdd. On entry, d.a[i] is the parent's a'.
+// Forward step for joint i: qdd = D^-1 (u - U^T a'), a = a' + S qdd. On entry, d.a[i] is a', the parent's a.
 template <class S, int N>
 void accelerate(const Joint& joint, int i, const Kinematics<S>& kin, AbaData<S>& d, VecRef<S>& qdd) {
   const int iv = joint.idx_v;

@@ -13,7 +13,8 @@ BodyKinematics<S>::BodyKinematics(const Model& model)
 
 namespace {
 
-// Moves R and r, of the joint frame, to the child frame at q. Sets J's nonzero entries (S about the child's origin).
+// Moves the axes R and origin r of a joint frame to the child frame at q. Sets the nonzero entries of J, the joint's
+// motion subspace about the child frame's origin.
 template <class S>
 void move_body(const Joint& joint, const ConstVecRef<S>& q, Mat3<S>& R, Vec3<S>& r, Eigen::Map<Mat6X<S>>& J) {
   S s, c;

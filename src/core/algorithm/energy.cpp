@@ -4,7 +4,7 @@ namespace manycontact {
 
 namespace {
 
-// Returns the mass and its first moment about the world's origin, without links fixed to the world.
+// Returns a robot's mass and first moment of mass about the world's origin, without its links fixed to the world.
 template <class S>
 std::pair<S, Vec3<S>> moments(const Kinematics<S>& kin) {
   std::pair<S, Vec3<S>> total(S(0), Vec3<S>::Zero());

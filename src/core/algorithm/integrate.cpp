@@ -14,7 +14,8 @@ void integrate_floating(const ConstVecRef<S>& q, int iq, const ConstVecRef<S>& v
   const Vec6<S> m = v.template segment<6>(iv);
   const SE3<S> M = placement_of_pose(q.template segment<7>(iq)), E = exp6<S>(m);
   out.template segment<3>(iq) = M.p + M.R * E.p;
-  // Multiplies the quaternion of q by that of the rotation vector w, which keeps its sign and is accurate for small w.
+  // Multiplies the quaternion of q by that of the rotation vector w. Unlike a conversion of M.R E.R to a quaternion,
+  // this does not reverse the quaternion's sign, and is accurate for small w.
   const Vec3<S> w = m.template tail<3>();
   const S t = sqrt(w.squaredNorm());
   const detail::ExpCoefficients<S> half(t * t / S(4));

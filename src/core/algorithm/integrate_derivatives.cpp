@@ -24,7 +24,8 @@ void drop(const M6& J, MatrixRef out) {
     for (int j = 0; j < 3; ++j) out(i, j) = J(kPlane[i], kPlane[j]);
 }
 
-// Sets a joint's block J to of(tangent vector) on SE(3), restricted to SE(2) if planar; one coordinate: `straight`.
+// Sets a joint's derivative J: for a floating joint to of(v), the derivative on SE(3) at the tangent vector v, for a
+// planar joint to the part of it on SE(2), for a joint with one coordinate to `straight`.
 template <class Of>
 void joint_block(const Joint& joint, const ConstRef& v, double straight, Of&& of, MatrixRef J) {
   if (joint.type == JointType::kFloating)

@@ -92,7 +92,8 @@ template <class S>
   fill_body<S>(model, i, kin);
 }
 
-// Computes body i on its tree's path (Tree::path); at the root, places the whole path first. Few bodies are on paths.
+// Computes body i of a tree's path: the joints that place a robot in the world (Tree::path). For the tree's root, it
+// first places the whole path. Few bodies are on paths.
 template <class S, class B>
 [[gnu::noinline]] void body_on_path(const Model& model, const SE3<B>& base, const ConstVecRef<S>& q, int i, const S& s,
                                     const S& c, Kinematics<S>& kin) {

@@ -80,7 +80,7 @@ inline void add_exactly(const S& a, const S& b, S& sum, S& rest) {
   sum = total;
 }
 
-/// Adds x axis to the point, without rounding the products.
+/// Adds x times the axis to the point, without rounding the products.
 template <class S>
 inline void move_along(const Vec3<S>& axis, const S& x, WorldPoint<S>& point) {
   for (int k = 0; k < 3; ++k) add_exactly<S>(axis[k], x, point.p[k], point.rest[k]);
@@ -98,7 +98,7 @@ inline void displace(const Joint& joint, const ConstVecRef<S>& q, const Mat3<S>&
 
 /// Computes the placement of each body on a tree's path relative to the tree's anchor, and returns the anchor's
 /// position in the world. place(joint) must return a reference to the placement. s, c: sine and cosine of the root
-/// joint's angle. own: see Kinematics; base: see forward_kinematics.
+/// joint's angle. own: the robot's own parameters, or nullptr for the model's. base: world placement of a fixed base.
 template <class S, class B, class Place>
 WorldPoint<S> place_path(const Model& model, const ModelNumbers<S>* own, const Tree& tree, const SE3<B>& base,
                          const ConstVecRef<S>& q, const S& s, const S& c, Place&& place) {

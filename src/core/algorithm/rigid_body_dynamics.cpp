@@ -113,7 +113,7 @@ void torques(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, co
 }  // namespace
 }  // namespace internal
 
-// ---- state ---------------------------------------------------------------------------------------------------------
+// ---- kinematics at a state -----------------------------------------------------------------------------------------
 
 void forward_kinematics(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
   internal::at_state("forward_kinematics", bodies, q, nullptr, nullptr, data);
@@ -180,7 +180,7 @@ const Eigen::VectorXd& aba(const RigidBodies& bodies, const ConstRef& q, const C
   return m.qdd;
 }
 
-// ---- inertia -------------------------------------------------------------------------------------------------------
+// ---- inertia matrix M and its inverse ------------------------------------------------------------------------------
 
 const Eigen::MatrixXd& crba(const RigidBodies& bodies, const ConstRef& q, RigidBodyData& data) {
   RigidBodyMemory& m = internal::at_state("crba", bodies, q, nullptr, nullptr, data);
@@ -223,7 +223,7 @@ Eigen::MatrixXd inverse_inertia_times(const RigidBodies& bodies, const ConstRef&
   return out;
 }
 
-// ---- derivatives ---------------------------------------------------------------------------------------------------
+// ---- derivatives of inverse and forward dynamics -------------------------------------------------------------------
 
 namespace {
 
@@ -290,8 +290,9 @@ const AccelerationDerivatives& aba_derivatives(const RigidBodies& bodies, const 
   return out;
 }
 
-// For an ancestor j of i, C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i). Sd, Yc and B of the
-// subtree of i are defined in detail/algorithm/rnea_derivatives.hpp.
+// For an ancestor j of i, C_ij = S_i^T (B S_j + Yc Sd_j) and C_ji = S_j^T (B S_i + Yc Sd_i), with Sd_j = v_j x S_j.
+// Yc and 2B are the sums of Y and of (v x*) Y - Y (v x) + (Y v) xbar* over the subtree of i
+// (detail/algorithm/rnea_derivatives.hpp).
 Eigen::MatrixXd coriolis_matrix(const RigidBodies& bodies, const ConstRef& q, const ConstRef& v, RigidBodyData& data) {
   RigidBodyMemory& m = internal::at_state("coriolis_matrix", bodies, q, &v, nullptr, data);
   differentiate(bodies, {}, m);

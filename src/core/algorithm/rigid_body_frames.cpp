@@ -95,7 +95,7 @@ Vec6d frame_bias_acceleration(const RigidBodies& bodies, RigidBodyData& data, co
   return a.isZero(0) ? rate : Vec6d(rate - frame_jacobian(bodies, data, frame, axes) * a);
 }
 
-// ---- all bodies ----------------------------------------------------------------------------------------------------
+// ---- sums over all bodies ------------------------------------------------------------------------------------------
 
 namespace {
 
@@ -192,7 +192,7 @@ double potential_energy(const RigidBodies& bodies, const RigidBodyData& data) {
   return energy;
 }
 
-// ---- joints --------------------------------------------------------------------------------------------------------
+// ---- wrenches that joints transmit ---------------------------------------------------------------------------------
 
 namespace {
 

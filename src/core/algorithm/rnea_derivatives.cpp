@@ -61,7 +61,7 @@ void forward(const Model& model, const Kinematics<S>& kin, const std::vector<Vec
   }
 }
 
-// Computes the entries of the derivatives for each coordinate k of joint i, paired with k and its ancestors.
+// Computes the entries of dtau/dq and dtau/dv for each coordinate k of joint i, paired with k and with its ancestors.
 template <class S>
 void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, int i, RneaDerivativesOf<S>& d) {
   using V3 = Vec3<S>;
@@ -89,7 +89,7 @@ void fill(const Model& model, const Kinematics<S>& kin, const Inertia<S>& Yc, in
       ++at;
     };
     int j = k;
-    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of the same joint: S and the force rotate together
+    for (; j >= joint.idx_v; --j) entry(j);  // coordinates of joint i: without S x* f, as S and f rotate together
     Fq += cross_force(s, d.f[i]);
     for (j = model.dof_parent[joint.idx_v]; j >= 0; j = model.dof_parent[j]) entry(j);
   }

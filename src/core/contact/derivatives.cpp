@@ -16,7 +16,8 @@ ContactDerivativesOf<S>::ContactDerivativesOf(const Scene& scene, const Contact&
 
 namespace {
 
-// Computes columns of dx_dq and dx_dv from s = s_i. s_i, P1, P2, P3 are defined in detail/contact/derivatives.hpp.
+// Computes column i of dx_dq and dx_dv, the derivatives of a contact's x (the rows before selection by W), from the
+// column s = s_i of J_l. P1, P2, P3 are defined in detail/contact/derivatives.hpp.
 template <class S>
 struct Column {
   using V3 = Vec3<S>;
@@ -53,7 +54,7 @@ struct Column {
     out.template head<3>() =
         dnudot.template head<3>() + point_terms(dnu) + alpha * (s.template head<3>() - s.template tail<3>().cross(e));
     if (c.type == ContactType::k5D) {
-      const V3 w = s.template tail<3>();  // derivative of m: dm = m x w
+      const V3 w = s.template tail<3>();  // the axis m of B' changes by dm = m x w
       out.template tail<3>() =
           dnudot.template tail<3>() + beta * dnu.template tail<3>() + alpha * (m.dot(n) * w - w.dot(n) * m);
     }

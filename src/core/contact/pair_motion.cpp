@@ -9,7 +9,8 @@ namespace {
 template <class S>
 using OfRows = Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1>;
 
-// Returns S_m W_m x (contact/pair_rows.hpp) for member m of a pair. row: number of the member's first row.
+// Returns S_m W_m x for contact m of a pair: W_m selects its rows from the motion x, S_m weights them. row: number of
+// its first row among the rows of all contacts of the pair.
 template <class S>
 OfRows<S> weighed_rows(const PairRows& pair, std::size_t m, int row, const Vec6<S>& x) {
   OfRows<S> out = rows_of_member<S>(pair.members[m], x);

@@ -20,7 +20,7 @@ int kind_of(int rank, const std::vector<Contact>& members) {
   std::vector<int> key{rank};
   for (const Contact& member : members) key.push_back(static_cast<int>(member.type));
   const std::lock_guard lock(mutex);
-  constexpr int kFirst = 16;  // above all contact types
+  constexpr int kFirst = 16;  // least kind of a pair, above all contact types
   return kinds.try_emplace(std::move(key), kFirst + static_cast<int>(kinds.size())).first->second;
 }
 
@@ -29,14 +29,15 @@ SE3<double> seen_from(const SE3<double>& to, const SE3<double>& of) {
   return {to.R.transpose() * of.R, to.R.transpose() * (of.p - to.p)};
 }
 
-// Returns the pair's frame A: at the mean of the members' origins of A, with the first member's axes.
+// Returns the pair's frame A: at the mean of the origins of the contacts' frames A, with the axes of the first of them.
 SE3<double> placement_A(const std::vector<Contact>& members) {
   SE3<double> at{members.front().A.placement.R, Vec3<double>::Zero()};
   for (const Contact& member : members) at.p += member.A.placement.p / static_cast<double>(members.size());
   return at;
 }
 
-// Returns the pair's frame B', placed relative to the first member's B' as frame A to that member's A.
+// Returns the pair's frame B'. It has the placement relative to the first contact's B' that the pair's A has relative
+// to the first contact's A.
 SE3<double> placement_B(const std::vector<Contact>& members, const SE3<double>& A) {
   return members.front().B.placement * seen_from(members.front().A.placement, A);
 }
@@ -51,7 +52,8 @@ Contact member_of(const Contact& from) {
   return out;
 }
 
-// Returns B (contact/pair_rows.hpp), with row blocks S_m W_m X_m. A: the members' frames A in the pair's A.
+// Returns B, the rows of all contacts of the pair (contact/pair_rows.hpp): a block S_m W_m X_m for each contact m. A:
+// placements of the contacts' frames A in the pair's A.
 Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>& A) {
   Eigen::MatrixXd B(static_cast<Eigen::Index>(pair.unit.size()), 6);
   Eigen::Index row = 0;
@@ -65,7 +67,7 @@ Eigen::MatrixXd rows_of_all(const PairRows& pair, const std::vector<SE3<double>>
   return B;
 }
 
-int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {  // -1: doubtful
+int plain_rank(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd>& qr) {  // rank of qr; -1: it is doubtful
   int rank = 0;
   const double largest = std::abs(qr.matrixQR()(0, 0));
   for (Eigen::Index k = 0; k < std::min(qr.rows(), qr.cols()); ++k) {
@@ -109,7 +111,8 @@ Eigen::MatrixXd triangular_basis(const Eigen::MatrixXd& Q, const std::vector<cha
   return out;
 }
 
-// Computes Q, R, R_right and terms, B = Q R. Returns false if B's rows are independent or their rank is doubtful.
+// Factorizes the rows B of all contacts of a pair as Q R, and sets R_right and terms. Returns false if B's rows are
+// independent or their rank is doubtful.
 bool factorize(PairRows& pair, PairNumbers<double>& numbers) {
   const Eigen::MatrixXd B = rows_of_all(pair, numbers.A);
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(B);

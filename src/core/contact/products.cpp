@@ -61,7 +61,7 @@ void contact_adjoint(const Contact& c, const ContactData<S>& d, const Vec6<S>& u
     gnu = S(c.beta) * N;
     relative.setZero();
     if (c.alpha != 0) relative = S(c.alpha) * (log6_derivative(d.G).transpose() * N);
-  } else {  // among these types, N has an angular part for 5D only
+  } else {  // 1D, 2D, 3D and 5D, of which only 5D has an angular part of N
     const V3 n = N.template head<3>(), e = d.G.R.transpose() * d.G.p;
     gnu << S(c.beta) * n + n.cross(d.nu.template tail<3>()), d.nu.template head<3>().cross(n);
     relative << S(c.alpha) * n, -S(c.alpha) * e.cross(n);

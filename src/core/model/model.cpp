@@ -58,14 +58,15 @@ void number_subtrees(Model& model) {
   }
 }
 
-// Returns the joints that place a robot in the world, e.g. along x and y. They are the first joints of the chain that
-// follows the largest subtrees, with at most six coordinates, up to the last joint that is not revolute.
+// Returns the joints that place a robot in the world, e.g. along x and y. From the root, each is followed by the child
+// whose subtree has more than half of the joints below it, if there is one. They have at most six coordinates. The last
+// is not revolute, unless it is the root.
 std::vector<int> path_to_anchor(const Model& model, int root) {
   constexpr int kBaseCoordinates = 6;
   std::vector<int> path{root};
   std::size_t length = 1;
   for (int j = root, coordinates = model.joints[root].nv(); !model.floating_base;) {
-    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // joints: size of the subtree of `next`, or its bound
+    int next = -1, joints = (model.subtree_end[j] - j - 1) / 2;  // number in next's subtree; at first half below j
     for (int child = j + 1; child < model.subtree_end[j]; child = model.subtree_end[child])
       if (model.subtree_end[child] - child > joints) next = child, joints = model.subtree_end[child] - child;
     if (next < 0 || (coordinates += model.joints[next].nv()) > kBaseCoordinates) break;

@@ -60,8 +60,8 @@ struct Found {
   int robot = 0, number = 0;
 };
 
-// Returns the robot and number(model, name) of an item called "robot/name", or just "name" if there is only one robot.
-// Throws std::invalid_argument with the text none(robot, name) if the robot has no such item.
+// Returns the robot, and the item's number(model, name) in it, of a joint or frame called "robot/name", or just "name"
+// if there is only one robot. Throws std::invalid_argument with the text none(robot, name) if the robot has none.
 template <class Number, class None>
 Found find(const RigidBodies& bodies, const std::string& name, Number&& number, None&& none) {
   const std::span<const Robot> robots = bodies.robots();

@@ -45,7 +45,8 @@ std::string in_order(const std::string& name) {
   return out;
 }
 
-// Returns the number of letters to change, or that after sorting the words plus one, if less; 1 if b is a part of a.
+// Returns how different two names are: the number of letters to change, or, if it is less, one plus this number after
+// sorting the words of both. The result is 1 if b contains a, 0 if they are equal.
 std::size_t difference(const std::string& a, const std::string& b) {
   if (a.size() > 2 && b.find(a) != std::string::npos) return a == b ? 0 : 1;
   return std::min(distance(a, b), distance(in_order(a), in_order(b)) + 1);

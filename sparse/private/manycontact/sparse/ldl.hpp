@@ -45,8 +45,9 @@ LdlCounts ldl_count(const UpperCsc& A);
 [[nodiscard]] int ldl_factor(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, LdlWorkspace& work,
                              double* Lx, double* D);
 
-/// Factorizes row by row, without SuiteSparse, and sets scale (n) as pivot_terms does. A row k with a pivot of at most
-/// least[k] scale[k] is not eliminated (its column of L is zero). Zero or NaN pivots do not end it: check D and scale.
+/// Factorizes row by row, without SuiteSparse, and sets scale (n) to the terms of pivots (pivot_terms). A row k with a
+/// pivot of at most least[k] scale[k] is not eliminated (its column of L is zero). The factorization continues after
+/// zero or NaN pivots, so that callers must check D and scale.
 void ldl_factor_by_rows(const UpperCsc& A, const LdlSymbolic& symbolic, const double* Ax, const double* least,
                         LdlWorkspace& work, double* Lx, double* D, double* scale);
 

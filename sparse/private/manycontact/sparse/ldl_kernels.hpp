@@ -14,7 +14,8 @@ namespace manycontact::sparse {
 
 namespace kernel {
 
-/// t += the sum over columns c of u[c stride] times N entries at x, which are step - c further in column c + 1.
+/// t += the sum over columns c of a block of u[c stride] times N successive entries of L in column c. x: the entries in
+/// column 0; from column c to c + 1 the address of a row's entry grows by step - c.
 template <class V, int N>
 inline void accumulate(Tile<V, N>& t, const V* x, int step, const V* u, int stride, int columns) {
   for (int c = 0; c < columns; ++c, u += stride) {
@@ -33,12 +34,12 @@ struct Inverse {
 /// Eliminates the columns of a block one by one: `width` columns from `first` on, with `below` rows below them.
 template <class V, class InverseOf>
 void factor_block(int first, int width, int below, V* L, V* D, V* scale, InverseOf& inverse_of) {
-  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c for columns c of the block
+  V u[LdlSchedule::kWidest];  // u[c] = -L_ac D_c in row a, for the block's columns c < a
   const int step = width + below - 2;
   V* column = L;
   for (int a = 0; a < width; ++a) {
     V d = D[a], s = scale[a];
-    const V* l = L + a;  // one past L_ac, since L - 1 would be undefined for a null L
+    const V* l = L + a;  // l[-1] is L_ac; a pointer to L_ac itself would be undefined for a = 0 and a null L
     for (int c = 0; c < a; ++c) {
       u[c] = -(l[-1] * D[c]);
       d = multiply_add(l[-1], u[c], d);
@@ -66,7 +67,7 @@ inline void update_columns(const LdlSchedule& schedule, const LdlSchedule::Run& 
   const int step = width + below - 2;
   const int row = run.row + a - run.begin;
   auto d = Tile<V, N>::load(D_all + row), s = Tile<V, N>::load(scale + row);
-  const V* x = L + width - 1;  // first row below the block, in column 0
+  const V* x = L + width - 1;  // entry of L in the first row below the block, in column 0
   for (int c = 0; c < width; ++c) {
     const V* l = x + a + c * step - c * (c - 1) / 2;
     const auto l_a = Tile<V, N>::load(l);
@@ -101,7 +102,7 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
   const int step = width + below - 2;
   for (int a = 0; a < width; ++a) {
     V x_a = own[a];
-    const V* l = L + a;  // one past L_ac of row a
+    const V* l = L + a;  // l[-1] is L_ac
     for (int c = 0; c < a; ++c) {
       x_a = multiply_add(l[-1], u[c], x_a);
       l += step - c;
@@ -118,14 +119,15 @@ inline void forward(int width, int below, const V* L, const LdlSchedule::Run* ru
     });
 }
 
-/// x <- L^-T D^-1 x for one block. For each column, rows below the block come first, four at a time.
+/// Performs the backward sweep x <- L^-T D^-1 x for one block. Each column's sum starts with the rows below the block,
+/// four at a time. own: entries of x in the block's own rows.
 template <class V, class Prefetch>
 inline void backward(int width, int below, const V* L, const V* D, const LdlSchedule::Run* run,
                      const LdlSchedule::Run* end, V* own, const V* x, Prefetch prefetch) {
   const int step = width + below - 2;
   const V* column = L + (width - 1) * (step + 1) - (width - 1) * (width - 2) / 2;
   for (int c = width - 1; c >= 0; --c) {  // `column` points to row c + 1 of column c
-    const V* l = column + width - 1 - c;  // first row below the block
+    const V* l = column + width - 1 - c;  // entry of L in column c, in the first row below the block
     const V zeros[4] = {};
     auto four = Tile<V, 4>::load(zeros);
     V rest{};
@@ -219,7 +221,7 @@ void ldl_scheduled_solve(const LdlSchedule& schedule, const V* Lx, const V* D, V
   ldl_scheduled_backward(schedule, Lx, D, x);
 }
 
-/// Sets the flags of all rows that become nonzero in the forward sweep if the flagged rows are nonzero.
+/// Adds to the flags of nonzero rows of x those rows that become nonzero in the forward sweep x <- L^-1 x.
 inline void ldl_scheduled_reach(const LdlSchedule& schedule, char* nonzero) {
   for (int k = 0; k < schedule.blocks(); ++k) {
     char any = 0;

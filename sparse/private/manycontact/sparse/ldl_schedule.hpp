@@ -52,11 +52,11 @@ struct LdlSchedule {
   std::vector<int> run;       // block k has runs[run[k]] ... runs[run[k+1]-1]
   std::vector<Run> runs;
   std::vector<Target> targets;
-  std::vector<Group> groups;  // groups of rows, the last rows first
+  std::vector<Group> groups;  // groups of rows of x, the last rows first
   std::vector<Segment> segments;
-  std::vector<int> packed;  // slots of L for groups; -1: a zero
+  std::vector<int> packed;  // slots in L of the entries that groups use; -1: an entry that is zero
 
-  bool compiled() const { return !Lp.empty(); }  // false: it would need too much memory
+  bool compiled() const { return !Lp.empty(); }  // false: its targets would need too much memory
   int nonzeros() const { return Lp.back(); }
   int blocks() const { return static_cast<int>(block.size()) - 1; }
   std::size_t bytes() const;

@@ -7,13 +7,13 @@ namespace manycontact::sparse {
 
 struct Refinement {
   int steps = 0;                         // number of corrections made
-  double backward_error = 0, first = 0;  // error after the last correction; error before the first correction
+  double backward_error = 0, first = 0;  // backward error after the last, and before the first, correction
 };
 
-/// Refines x until the error is at most `small`, max_steps corrections are made, or a correction does not halve the
-/// error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept. residual()
-/// must compute r = b - A x and return its relative size; it is called steps + 1 times, and NaN ends the refinement.
-/// correct() must compute x += A^-1 r.
+/// Refines x until the backward error is at most `small`, max_steps corrections are made, or a correction does not
+/// halve the error: then only rounding errors remain, or the factor is too inaccurate. The last correction is kept.
+/// residual() must compute r = b - A x and return the backward error; it is called steps + 1 times, and NaN ends the
+/// refinement. correct() must compute x += A^-1 r.
 template <class Residual, class Correct>
 Refinement refine(int max_steps, double small, Residual&& residual, Correct&& correct) {
   Refinement out;

@@ -195,7 +195,7 @@ struct NoPrefetch {
 };
 
 template <class V>
-inline constexpr int kRows = 4;  // rows at a time; chunks of half the size, and so on, take the rest
+inline constexpr int kRows = 4;  // rows that are computed at a time; chunks of half the size, and so on, take the rest
 template <>
 inline constexpr int kRows<double> = 8;
 

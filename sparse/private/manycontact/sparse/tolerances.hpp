@@ -19,7 +19,7 @@ inline constexpr double kPivotLeft = 1e-11;
 /// (motion_scale, detail/contact/rows.hpp). Smaller lengths are rounding errors.
 inline constexpr double kRank = 1e-11;
 
-/// Rounding error of a sum of six to eight products of 2 eps each, in eps of the scalar in use (double or quadruple).
+/// Rounding error of a sum of six to eight products, 2 eps for each, in eps of the scalar in use (double or quadruple).
 inline constexpr int kRounding = 16;
 
 /// Least sound pivot of a damped K, in eps of the scalar in use times the pivot's terms: its rounding error changes
@@ -27,21 +27,24 @@ inline constexpr int kRounding = 16;
 inline constexpr int kDampingRounding = 100 * kRounding;
 
 /// sparse-bodies: least ratio of a row's pivot E_kk to its pivot if its body were free, sum_j G_kj^2 / P_jj
-/// (kkt/bodies/ldl.hpp). A row is eliminated at the first body, from the leaves on, with a larger ratio. P grows by at
-/// most the inverse ratio, which costs digits in loops of thousands of links. A larger threshold costs time.
+/// (kkt/bodies/ldl.hpp). A row is eliminated at the first body, from the leaves on, with a larger ratio. This enlarges
+/// the body's articulated inertia P at most by the inverse ratio, which costs digits in loops of thousands of links. A
+/// larger threshold costs time.
 inline constexpr double kRowMoves = 5e-2;
 /// Rounding error of a pivot of K relative to its terms, 450 eps, before small earlier pivots enlarge it
 /// (rank/pivots.hpp). least_left in kkt/bodies/factorize.cpp multiplies it by the squared growth of P.
 inline constexpr double kRowRounding = 1e-13;
 
-/// sparse-bodies: an entry of J above this fraction of the sum of its products' magnitudes is certainly nonzero.
+/// sparse-bodies: an entry of J is a sum of products. It is certainly nonzero above this fraction of the sum of their
+/// magnitudes.
 inline constexpr double kPlainlyMoves = 1e-3;
 
 /// sparse-bodies: least part of a row orthogonal to the rows before it on a constrained body, relative to its length.
-/// One Gram-Schmidt pass then is accurate to 1e-14. Below it, the body is not projected (BodyHold).
+/// One Gram-Schmidt pass then is accurate to 1e-14. Below it, the children's inertia along the rows is not removed
+/// (BodyHold in kkt/bodies/ldl.hpp).
 inline constexpr double kHeldApart = 1e-2;
-/// sparse-bodies: factor on the children's inertia along the rows that constrain a body (BodyHold). It does not change
-/// the solution; a positive one gives bodies without inertia a sound pivot.
+/// sparse-bodies: share that BodyHold keeps of the children's inertia along the rows that constrain a body. It does not
+/// change the solution; if it is positive, bodies without inertia have a sound pivot.
 inline constexpr double kHeldKept = 1e-2;
 
 // ---- pairs of bodies ------------------------------------------------------------------------------------------
@@ -57,7 +60,8 @@ inline constexpr double kMovesAsOne = 1e-13;
 // ---- dependent rows -------------------------------------------------------------------------------------------
 
 /// Largest residual J_k - sum z_j J_j of a dependent row k, relative to J's entries: ten times the rounding error of
-/// the sum at kLargestEntry. Independent rows leave 3e-6; in between, the dense reference solver decides.
+/// the sum if the largest z_j is kLargestEntry. The residuals of independent rows are above 3e-6; between the two
+/// values, the dense reference solver decides.
 inline constexpr double kRowLeft = 1e-13;
 
 /// Largest coefficient z_j for which N is not orthonormalised: its projector's error z_j^2 eps is 2e-13 then.
@@ -75,7 +79,7 @@ inline constexpr double kNullEntry = 1e-15;
 inline constexpr double kNullColumn = 1e-14;
 inline constexpr int kNullColumnSteps = 2;
 
-/// Diagonal entry of a dropped row, which keeps the pattern: the row's squared entries divided by it vanish.
+/// Damping of a dropped row, which so stays in K's pattern without effect: its squared entries divided by this vanish.
 inline constexpr double kDroppedDamping = 1e200;
 
 /// Largest number of waiting rows (kWaits) of one robot in a SIMD batch. Each adds a dense column to N.
@@ -92,7 +96,8 @@ inline constexpr int kManyJoints = 64;
 /// along a chain is computed (Balance in kkt/bodies/dependent_rows.cpp).
 inline constexpr int kBalancedRows = 24, kBalanceEquations = 64;
 
-/// Largest number of entries of a cluster of columns of N to exchange or orthonormalise; each step passes over all.
+/// Largest number of entries of a cluster (columns of N that share rows) in which dropped rows are exchanged, or whose
+/// columns are orthonormalised. Each step of either passes over all entries.
 inline constexpr std::size_t kMostExchanged = 1 << 20;
 
 /// Rows made dependent within a tolerance (within_tolerance.cpp). kMostDrift is the largest tolerance or constraint
@@ -109,8 +114,9 @@ inline constexpr double kLeastWeight = 1e-10;
 inline constexpr int kFewRows = 300;
 /// Largest number of K's rows for which the dense solver is the last resort: 2 s, 72 MB per matrix for 3000 rows.
 inline constexpr int kDenseSize = 3000;
-/// Largest number of K's rows for which a factor of K differentiates islands that sparse-bodies solved, which takes 4
-/// to 70 times as long itself. For a larger K, the dense solver would take even longer if that factor is not sound.
+/// Largest number of K's rows for which a factor of K differentiates islands that sparse-bodies solved. Derivatives by
+/// sparse-bodies take 4 to 70 times as long. For a larger K whose factor is not sound, the dense solver would take even
+/// longer.
 inline constexpr int kDifferentiatedByMatrix = 1500;
 /// Number of K's rows below which derivatives may be solved column by column: many times slower in larger islands.
 inline constexpr int kOneByOne = 400;
@@ -118,7 +124,7 @@ inline constexpr int kOneByOne = 400;
 inline constexpr int kSmallInverse = 64;
 /// Largest number of rows of a sparse-bodies subtree in a SIMD batch. The cost is quadratic in the rows.
 inline constexpr int kLargestSubtree = 64;
-/// sparse-bodies: largest number of uneliminated rows with both ends in a node's subtree; a body has six motions.
+/// sparse-bodies: largest number of uneliminated rows of J with both ends in a body's subtree; a body has six motions.
 inline constexpr int kMostOpen = 6;
 /// sparse-bodies: upper limit of least_left (kkt/bodies/factorize.cpp), a pivot's rounding error relative to its terms.
 inline constexpr double kMostKept = 1e-5;
@@ -139,21 +145,24 @@ inline constexpr double kPivotOfDependent = 1e2, kPivotOfOthers = 1e7, kStiffer 
 /// A pivot of K is proportional to a power of delta. Rounding errors change its exponent by up to kExponentRounding eps
 /// times the pivot's terms over the pivot. The sum of all exponents may differ from an integer by kExponentsLeft.
 inline constexpr double kExponentRounding = 100, kExponentsLeft = 0.2;
-/// One application of E (kkt/factor/proximal.hpp) must reduce the part of a vector outside the null space to this,
-/// usually to 1e-3; or rows are only nearly dependent. Without a second delta the limit is 1 / (2 kPivotOfDependent).
+/// One application of E = delta (J M^-1 J^T + delta)^-1 must reduce the part of a vector outside the null space to this
+/// fraction of it, usually to 1e-3. Otherwise rows are only nearly dependent. If K was not factorized with a second
+/// delta, the limit is 1 / (2 kPivotOfDependent).
 inline constexpr double kSlowest = 0.5;
 inline constexpr int kMostApplications = 12;
 /// A row is in no null vector if its entries in projected random vectors are below 1000 times their rounding error.
 inline constexpr double kInNullSpace = 1e-11;
-/// A projection ends when the vector's null-space part is below kProjected of it, or after kProjections passes.
+/// Subtraction of a vector's null-space part ends when the part left is below kProjected of the vector's largest entry,
+/// or after kProjections passes.
 inline constexpr double kProjected = 1e-11;
 inline constexpr int kProjections = 6;
 /// Projected random vectors are accepted as null vectors if J^T times the vectors stops decreasing below this, at
 /// rounding errors. If the projection wrongly kept an eigenvector of J M^-1 J^T, sqrt(delta) = 1e-6 would remain.
 inline constexpr double kMostLeft = 1e-11;
-/// Each proximal step divides the error by 1e3 or more, but by less near a singular configuration.
+/// Largest number of proximal steps. Each divides the error by 1e3 or more, but by less near a singular configuration.
 inline constexpr int kProximalSteps = 30;
-/// Contacts are inconsistent if proximal steps leave more than this of delta f in their rows; rounding leaves 1e-4.
+/// Contacts are inconsistent if, after proximal steps, the largest residual of their rows exceeds this fraction of
+/// delta times the largest force. Rounding leaves 1e-4.
 inline constexpr double kProximalAgree = 1e-2;
 
 /// J^T times a random null vector is a rounding error if it is below this many eps times the growth of K's entries.
@@ -181,7 +190,7 @@ inline constexpr double kRefinePanel = 5e-14;
 /// eps allowed; residuals up to kConverged are accepted. Derivatives robot by robot are accepted up to this
 /// componentwise backward error.
 inline constexpr double kPanelRefined = 1e-13;
-inline constexpr int kPanelSteps = 3;  // largest number of solves, the first solve included
+inline constexpr int kPanelSteps = 3;  // largest number of solves of a panel or column of derivatives, with the first
 
 inline constexpr double kVanishing = 1e-290;  // residuals and pivots below it have lost digits by underflow
 
@@ -202,7 +211,8 @@ inline constexpr double kSingleLeft = 1e6, kSinglePassedOn = 1e3;
 /// Single precision: largest relative change of accelerations and forces by rounding errors; two digits are left.
 inline constexpr double kWorthless = 1e-2;
 
-/// Single precision: if the largest term of a robot's rows, in their units, is below this, terms may have underflowed.
+/// Single precision: if the largest term of a robot's equations K x = b is below this (SI units), terms may have
+/// underflowed.
 inline constexpr double kSmallestTerm = 1e-25;
 
 /// Single precision: least 1 + trace(R) of an orientation error R, which is then 0.01 rad or more from half a
@@ -242,7 +252,7 @@ inline constexpr double kQuaternion = 1e-6;
 
 /// Hager's and Higham's estimate of a 1-norm is a lower bound. The norm is nearly always below this times the estimate.
 inline constexpr double kNormEstimate = 3;
-/// Rounding error, in eps, of a term of a row in error bounds; each joint from the base to the row adds one.
+/// Rounding error, in eps, of a term of K x = b in error bounds; those in joint space add one per joint of a chain.
 inline constexpr int kBoundRounding = 12;
 
 /// Largest sound ratio of the terms of an equation of K x = b to its diagonal entry (inertia or damping) times the
@@ -252,8 +262,8 @@ inline constexpr double kInDoubt = 0.01 / (kBoundRounding * std::numeric_limits<
 /// Least force relative to which residuals of a solution are judged, as a fraction of the largest load.
 inline constexpr double kLeastLoad = 1e-3;
 
-/// If the backward error exceeds kConverged, residuals are judged relative to at least this fraction of what the terms
-/// of their row could be (backward_error_of_data in fallbacks.cpp), so that two digits may cancel.
+/// If the backward error exceeds kConverged, a residual is judged relative to at least this fraction of the terms that
+/// its row would have if |M_jk| were sqrt(M_jj M_kk) and J_jk the size of row j. Thus two digits may cancel.
 inline constexpr double kPartOfData = 1e-2;
 
 // ---- the precision `extended` ---------------------------------------------------------------------------------
@@ -288,7 +298,8 @@ inline constexpr double kReadRounding = 0x1p-48, kReadShare = 1.0 / 3, kExtended
 inline constexpr double kCheaper = 0.9;
 
 /// contacts-early eliminates a contact after coordinates that move it in all directions of its rows: the last pivot of
-/// a QR of their columns of J, relative to the rows' lengths, exceeds this. The second value is tried if cheaper.
+/// a QR of their columns of J, relative to the rows' lengths, exceeds this. Of the orders with either value, the
+/// cheapest is taken.
 inline constexpr double kDistinct[] = {1e-2, 1e-3};
 
 /// At most 1 / kZeros of a relaxed supernode's entries are zeros. Columns with fewer than kShort entries get no zeros.

@@ -40,7 +40,7 @@ struct AppliedForces {  // a scene's external wrenches and springs at one state;
   std::vector<OfSpring> springs;  // one entry per spring
 };
 
-/// Computes each robot's `f` in the tree frame at q (nq), v (nv). f is NaN for springs that are not `directed`.
+/// Computes OfRobot::f, the forces on bodies, at q (nq), v (nv). They are NaN for springs that are not `directed`.
 template <class S>
 void find_applied_wrenches(const Scene& scene, const S* q, const S* v, std::span<const Vec6<S>> w,
                            AppliedForces<S>& forces);
@@ -52,7 +52,7 @@ void add_applied_forces(const Scene& scene, const S* q, const S* v, std::span<co
 
 struct AppliedScratch {  // one thread's scratch; allocate it once
   explicit AppliedScratch(const AppliedForces<double>& forces);
-  std::vector<std::vector<Vec6<double>>> u, x, v;  // one entry per robot of `forces`, each with njoints
+  std::vector<std::vector<Vec6<double>>> u, x, v;  // changes or gradients of njoints bodies, per robot of `forces`
 };
 
 // Call the functions below that have an argument `robots` after add_applied_forces at q, v. They consider only these

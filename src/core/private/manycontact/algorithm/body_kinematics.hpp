@@ -58,7 +58,7 @@ struct BodyTerms {
   Vec6<S>* h;     // bias force v x* Y v of the body
 };
 
-/// Computes the placements of the trees at a configuration q (nq); `base` as in forward_kinematics.
+/// Computes the placements of the trees at a configuration q (nq). base: world placement of a fixed base.
 template <class S>
 void place_trees(const Model& model, const SE3<double>& base, const ConstVecRef<S>& q, BodyKinematics<S>& kin);
 

@@ -19,7 +19,8 @@ template <class S>
 void tangent_motions(const Model& model, const Kinematics<S>& kin, const S* qdd, const S* dq, const S* dv,
                      std::vector<BodyVariationOf<S>>& out);
 
-/// Backward pass: dtau (nv), the change of ID. motion: tangent_motions; fext, dfext: external forces, their changes.
+/// Computes dtau (nv), the change of ID, from the result `motion` of tangent_motions. fext, dfext: external forces and
+/// their changes.
 template <class S>
 void tangent_torques(const Model& model, const Kinematics<S>& kin, const std::vector<BodyVariationOf<S>>& motion,
                      const std::vector<Vec6<S>>& fext, const std::vector<Vec6<S>>& dfext, std::vector<Vec6<S>>& f,

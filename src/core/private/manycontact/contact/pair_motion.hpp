@@ -27,8 +27,8 @@ Eigen::Matrix<S, Eigen::Dynamic, 1, 0, 6, 1> rows_of_member(const Contact& m, co
   return out;
 }
 
-/// The bias acceleration of one member of a pair without nudot, and its derivatives (symbols: detail/contact/rows.hpp;
-/// e: position error, r: rotation between the axes):
+/// The bias acceleration of a contact of a pair without nudot, and its derivatives. nu: relative velocity of A and B';
+/// G: placement of A in B'; alpha, beta: gains; e: position error; r: rotation between the axes:
 ///     6D: alpha log6(G) + beta nu,   points: nu_ang x nu_lin + alpha e + beta nu_lin,
 ///     5D: as points, and alpha r + beta nu_ang
 template <class S>
@@ -71,7 +71,7 @@ struct MemberMotion {
 };
 
 template <class S>
-void pair_motion(const Contact& pair, ContactData<S>& d);  // d.x, W, a0 and `left` from d.nu, nudot and G
+void pair_motion(const Contact& pair, ContactData<S>& d);  // sets d.x, W, a0, left, given d.nu, nudot, G
 
 /// The derivatives of a pair's x with respect to nu and to a displacement of A, at constant nudot (6 x 6 each).
 template <class S>

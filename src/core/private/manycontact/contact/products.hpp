@@ -7,14 +7,15 @@
 namespace manycontact {
 
 /// Computes changes along variations a, b of the bodies of A and B (in tree frames; b is zero for the world). dr2 is
-/// the change of W x, which includes the rotation of W. dF is the change of the force on A in A's axes, which includes
-/// the force's rotation. rows: the contact's data at the accelerations of the solution. f: the contact's force.
+/// the change of the rows' residual r2 = W x (detail/contact/rows.hpp), which includes the rotation of W. dF is the
+/// change of the force on A in A's axes, which includes the force's rotation. rows: the contact's data at the
+/// accelerations of the solution. f: the contact's force.
 template <class S>
 void contact_tangent(const Contact& contact, const ContactData<S>& rows, const BodyVariationOf<S>& a,
                      const BodyVariationOf<S>& b, const ConstVecRef<S>& f, VecRef<S> dr2, Vec6<S>& dF);
 
-/// Adds the gradients of -w^T J^T f + l^T r2, with r2 = W x, to the adjoints a, b of the bodies of A and B, in tree
-/// frames. uA, uB: virtual velocities of these bodies (virtual_velocities of w). l: one entry per row of the contact.
+/// Adds the gradients of -w^T J^T f + l^T W x to the adjoints a, b of the bodies of A and B, in tree frames. W x: the
+/// rows' residual. uA, uB: virtual velocities of these bodies (virtual_velocities of w). l: one entry per row.
 template <class S>
 void contact_adjoint(const Contact& contact, const ContactData<S>& rows, const Vec6<S>& uA, const Vec6<S>& uB,
                      const ConstVecRef<S>& f, const ConstVecRef<S>& l, BodyVariationOf<S>& a, BodyVariationOf<S>& b);

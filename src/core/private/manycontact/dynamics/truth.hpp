@@ -22,7 +22,7 @@ struct Truth {
 ///     x <- x + L^-T D^-1 L^-1 (b - K x),   K, b at q, v, u in S, L D L^T in double,
 ///
 /// until the backward error stops decreasing. Islands that sparse-ldl did not solve, or whose error stays above 1e4 eps
-/// of S, are solved densely up to `dense_size` unknowns. Larger islands have NaN and are not regular. For refined
+/// of S, are solved densely up to `dense_size` unknowns. Larger islands get NaN and count as not regular. For refined
 /// islands the member rank is nc.
 template <class S>
 Truth<S> refine_truth(const Scene& scene, SceneData& data, const VecX<S>& q, const VecX<S>& v, const VecX<S>& u,

@@ -27,7 +27,8 @@ double predicted_cost_of_terms(int rows, std::size_t contacts);  // PredictedCos
 /// Largest number of rows of a robot's K that are solved in a SIMD batch, whose scratch memory must stay in the cache.
 inline constexpr int kLargestInLanes = 400;
 
-double least_cost_ldl(const IslandShape& shape);  // least over orders, estimated from the trees' depths
+/// Estimates the cost of sparse-ldl in the cheapest elimination order from the trees' depths.
+double least_cost_ldl(const IslandShape& shape);
 /// Whether trees are so deep that sparse-bodies is cheaper than least_cost_ldl. Joint-space patterns are not computed
 /// for such islands.
 bool is_deep(IslandShape& shape);

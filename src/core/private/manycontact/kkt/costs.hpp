@@ -11,14 +11,15 @@ inline constexpr double kPredictedSecond = 0.2e-9;  // duration of the unit of c
 inline constexpr double kLdlRow = 17, kLdlEntry = 20, kLdlFlop = 0.18;
 inline constexpr double kLdlBlock = 215, kLdlRange = 0.65, kLdlShortRange = 2.2;
 
-// Kinematics, M, J and K: per row of K, per contact, and what is added per contact outside SIMD batches.
+// Costs of computing kinematics, M, J and K: per row of K, per contact, and added per contact outside SIMD batches.
 inline constexpr double kTermsRow = 310, kTermsContact = 730, kTermsContactAlone = 670;
 
 // sparse-cholmod: costs per call, row of K, entry of L, and multiply-add.
 inline constexpr double kCholmodCall = 8000, kCholmodRow = 50, kCholmodEntry = 26, kCholmodFlop = 1;
 
-// sparse-bodies: costs per body, joint with several coordinates, contact row, squared number of open rows, update of an
-// open row, and multiply-add at the base. kBodyAlike: factor for subtrees of one shape, which SIMD batches solve.
+// sparse-bodies: costs per body, joint with several coordinates, contact row, squared number of rows that are open (not
+// yet eliminated) at a body, update of an open row, and multiply-add at the base. kBodyAlike: factor on the cost of
+// subtrees of one shape, which SIMD batches solve.
 inline constexpr double kBody = 1180, kBodyJoint = 3900, kBodyRow = 1100, kBodyOpen = 10, kBodyUpdate = 0.5,
                         kBodyBase = 1.0 / 12, kBodyAlike = 0.5;
 inline constexpr double kBodyEliminated = 0.5;  // rows that one coordinate is likely to eliminate

@@ -13,7 +13,7 @@ namespace manycontact {
 
 struct IslandSupport {
   std::vector<ContactSupport> contacts;   // one entry per contact of the island; coordinates numbered within the robots
-  std::vector<std::vector<int>> columns;  // one entry per contact: columns in the island, first those above A, then B'
+  std::vector<std::vector<int>> columns;  // one entry per contact: the island's coordinates that move A, then B'
 };
 IslandSupport island_support(const Scene& scene, const Island& island);
 
@@ -29,9 +29,9 @@ struct KktPattern {
   std::vector<int> perm, iperm;    // perm[k]: row of K that is eliminated k-th; iperm: the inverse
   std::vector<char> of_M;          // one flag per row of P K P^T: it is a row of M
   sparse::UpperCsc K;              // pattern of P K P^T
-  std::vector<int> M_slot;         // slot of each entry of the robots' packed M, robot after robot
-  std::vector<int> J_slot;         // slot of each entry of the contacts' J, by columns, contact after contact
-  std::vector<int> diagonal_slot;  // slot of the diagonal entry of each contact row
+  std::vector<int> M_slot;         // slot in K of each entry of the robots' packed M, robot after robot
+  std::vector<int> J_slot;         // slot in K of each entry of the contacts' J, by columns, contact after contact
+  std::vector<int> diagonal_slot;  // slot in K of the diagonal entry of each contact row
   sparse::LdlSymbolic ldl;
   std::shared_ptr<LazySchedule> lazy_schedule = std::make_shared<LazySchedule>();  // used by schedule()
 

@@ -27,9 +27,9 @@ class IslandShape {
 
   /// Returns the permutation of K's rows. Only that of kContactsEarly depends on the positions of contacts on bodies.
   const std::vector<int>& permutation(Order order);
-  const sparse::LdlCounts& counts(Order order);  // counts of K's factor, without its pattern
+  const sparse::LdlCounts& counts(Order order);  // sizes of K's factor, without its pattern
   const std::shared_ptr<const KktPattern>& pattern(Order order);
-  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);  // no reordering
+  const std::shared_ptr<const sparse::CholmodSymbolic>& cholmod(Order order);  // analysis of K in this order
   const std::shared_ptr<const BodyPattern>& bodies();
   const BodySubtrees& body_subtrees();  // subtrees of trees cut at constrained bodies
 

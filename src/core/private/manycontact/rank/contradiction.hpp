@@ -22,7 +22,7 @@ template <class S>
 struct RowOfContradiction {
   S size;   // size of the row of J (rank/row_size.hpp)
   S terms;  // the largest term of the row's a0
-  S left;   // the row's entry of P (J a + a0)
+  S left;   // the row's entry of P (J a + a0), P the projector on the null space of J^T
 };
 
 /// Bounds the rounding errors that the projector P transfers between rows. A null vector y has sum y_k J_k = 0, so that

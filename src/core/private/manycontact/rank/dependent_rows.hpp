@@ -26,7 +26,7 @@ struct DependentRows {          // the dropped rows, the null space basis N and 
   double largest_residual = 0;  // max |J_k - sum z_j J_j| relative to the largest |n_j| times the size of row j
   double largest_entry = 0;     // max |z_j|
   double largest_projected = 0;  // max |z_j| of columns that are not orthonormalised; eps z_j^2 is the error of P
-  int largest_cluster = 0;       // largest number of entries of B in a cluster
+  int largest_cluster = 0;       // largest number of entries of a cluster's B
 
   /// Whether the dropped rows depend on the kept rows: after find_null_space, J^T N is a rounding error (kRowLeft), and
   /// columns of N that are not orthonormalised have no large z_j (kLargestEntry).
@@ -59,8 +59,9 @@ struct DependentRows {          // the dropped rows, the null space basis N and 
   bool M_first = true;                // whether no row of M follows a row of J
 };
 
-/// Computes least (n), limits of pivots relative to their terms below which rows wait. A row of J waits if its pivot or
-/// the row is at most `margin` times its rounding error (rank/pivots.hpp). row_size: n sizes of J's rows.
+/// Computes least (n): a row waits (is not eliminated with the others) if its pivot is below `least` times the pivot's
+/// terms. A row of J waits if its pivot, or its largest entry, is at most `margin` times its rounding error
+/// (rank/pivots.hpp). row_size: n sizes of J's rows.
 void least_pivots(const sparse::UpperCsc& K, const double* Kx, std::span<const char> of_M, double margin,
                   const double* row_size, std::vector<double>& least);
 
@@ -88,7 +89,7 @@ void make_projector(int n, DependentRows& rows);  // computed from N; n: rows of
 [[nodiscard]] bool exchange_rows(DependentRows& rows);
 
 /// After ldl_factor_dependent: finds the dependent waiting rows, N and its projector. Certainly dependent rows are
-/// dropped; others join by their Schur complement unless it shows dependence. False: rounding hides the rank.
+/// dropped; others join the kept rows unless their Schur complement shows dependence. False: rounding hides the rank.
 [[nodiscard]] bool find_dependence(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                                    std::span<const char> of_M, const double* row_size, const double* Lx,
                                    const double* D, const SolvePanel& solve, DependentRows& rows);

@@ -15,7 +15,7 @@ namespace manycontact::rank {
 template <class S>
 struct Pivot {
   bool of_M;
-  S d, terms;          // d: pivot D_k; terms: |K_kk| + sum l_kj^2 |d_j|, its magnitude
+  S d, terms;          // d: pivot D_k; terms: |K_kk| + sum l_kj^2 |d_j|, its terms added as magnitudes
   S own;               // row of M: K_kk; row of J: its largest entry
   S row_size = S(-1);  // size of a row of J (rank/row_size.hpp); negative: `own` is not judged
 };
@@ -49,7 +49,7 @@ struct PassedOn {
   }
 };
 
-/// PassedOn, but only for pivots below in the elimination tree, since errors reach only a pivot's ancestors.
+/// Judges pivots as PassedOn does, but only with pivots below in the elimination tree, whose errors alone reach them.
 class PassedOnInTree {
  public:
   PassedOnInTree(const sparse::LdlSymbolic& symbolic, std::vector<PassedOn<double>>& memory)

@@ -29,7 +29,8 @@ S largest_entry(const X& x) {
   return largest;
 }
 
-/// Returns the error of a joint's tree frame origin / eps: zero if joints displace it along constant axes only.
+/// Returns the rounding error, divided by eps, of the origin of a joint's tree frame. It is zero if joints displace the
+/// origin along constant axes only.
 template <class S>
 S origin_rounding(const Model& model, const Kinematics<S>& kin, int joint) {
   if (model.floating_base) return S(0);

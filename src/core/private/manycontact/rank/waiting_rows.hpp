@@ -21,7 +21,7 @@ using SolvePanel = std::function<void(double* X, int ld, int cols)>;
 struct WaitingRows {      // allocates nothing for at most as many rows as before
   std::vector<int> rows;  // rows of K: the first `joined` rows are independent, the others are dependent
   int joined = 0;
-  std::vector<double> Z;      // n x joined, by rows, in K's order: K1^-1 B; zero in rows that are not in K1
+  std::vector<double> Z;      // K1^-1 B (file header), n x joined, by rows, in K's order; zero in rows not in K1
   std::vector<double> scale;  // one entry per waiting row: 1 / sqrt(terms of its pivot)
   std::vector<double> L;      // Cholesky factor of scale (-S) scale, by rows, as wide as `rows`
   std::vector<int> place;     // one entry per row of K: its index in the original `rows`, or -1
@@ -31,8 +31,8 @@ struct WaitingRows {      // allocates nothing for at most as many rows as befor
   std::vector<int> same, order, old_rows;  // same: the numbers 0, 1, 2 ...
 };
 
-/// Computes the factor of w.rows, and moves dependent rows to its end. Lx, D: factor of K1, with infinite D in rows not
-/// in K1. of_M: flags of K's rows. row_size: n sizes of J's rows (rank/row_size.hpp).
+/// Factorizes the Schur complement of the rows w.rows, and moves dependent ones to the end of w.rows. Lx, D: factor of
+/// K1, with infinite D in rows not in K1. of_M: flags of K's rows. row_size: n sizes of J's rows (rank/row_size.hpp).
 void join_waiting_rows(const sparse::UpperCsc& K, const sparse::LdlSymbolic& symbolic, const double* Kx,
                        std::span<const char> of_M, const double* row_size, const double* Lx, const double* D,
                        const SolvePanel& solve, WaitingRows& w);

@@ -45,23 +45,23 @@ Vec6<double> forces_of(const BodyHold& hold, const Vec6<double>& f);
 
 struct BodyLdl {  // Block L D L^T from the leaves to the root.
   // set by factorize_bodies
-  std::vector<Mat6<double>> P;  // one entry per node: inertia before its joint is eliminated
+  std::vector<Mat6<double>> P;  // one entry per node: articulated inertia before its joint is eliminated
   Mat6X<double> U;              // 6 x nv: P S of each joint
   std::vector<double> Dinv;     // D^-1 of each joint, ndof x ndof numbers per node
   std::vector<int> count,
-      eliminated;  // one entry per node: rows open before its joint; how many of these, the first, are eliminated there
+      eliminated;  // one entry per node: number of rows open before its joint; number of them eliminated there
   std::vector<std::size_t> row_first, joint_first, square_first;  // offsets of each node's entries in row, W, E
   std::vector<int> row;
-  std::vector<Vec6<double>> G, H;  // one entry per open row: before the joint is eliminated; after it
+  std::vector<Vec6<double>> G, H;  // one entry per row open at a node: G before its joint is eliminated; H: G after it
   std::vector<double> W, E;        // W = G S; E: L's columns below the diagonal, on it E_kk^-1 of eliminated rows
   std::vector<int> base_row;       // rows still open at the bases, in elimination order
-  std::vector<double> base_E;      // entries of E for base_row
+  std::vector<double> base_E;      // E in the rows and columns base_row
   std::vector<double> pivot_sum;   // one entry per row: sum of the terms of E_kk that joints contributed
   std::vector<BodyHold> hold;      // one entry per constrained body of the pattern
   double growth = 1;               // largest factor by which P grew when rows were eliminated
   std::vector<double> least_kept;  // one entry per node: least pivot / its terms, of rows eliminated in its subtree
   std::vector<char> drops_below;   // one flag per node: whether rows in its subtree were dropped
-  std::vector<double> least_inertia, most_inertia;  // one per row: range of D of its joints
+  std::vector<double> least_inertia, most_inertia;  // one entry per row: least and largest D of joints that moved it
 
   // rows that depend on others (dependent_rows.hpp): they are not in the factor, and their y is zero
   std::vector<char> dropped;  // one flag per row: it was dropped
@@ -75,7 +75,7 @@ struct BodyLdl {  // Block L D L^T from the leaves to the root.
   Eigen::VectorXd u, g;         // u: D^-1 times the joints' right-hand sides; g: the rows' right-hand sides
 
   // scratch
-  std::vector<int> place;  // one entry per row: its index at the current node
+  std::vector<int> place;  // one entry per row: its index among the current node's open rows
 
   void resize(const BodyPattern& pattern);
 };

@@ -20,8 +20,8 @@ struct BodyPattern {
   std::vector<int> hold;            // one entry per node: its index h among constrained nodes, or -1
   std::vector<int> own_first, own;  // rows of constrained node h: own[own_first[h]] ... own[own_first[h + 1] - 1]
 
-  // One entry per node: the largest number of rows that may be open at it; offsets of its rows, and of memory for rows
-  // x ndof numbers, for rows^2 numbers and for D^-1 (kkt/bodies/ldl.hpp).
+  // One entry per node: the largest number of rows that may be open (not yet eliminated) at it; offsets of these rows,
+  // and of memory for rows x ndof numbers, for rows^2 numbers and for D^-1 (kkt/bodies/ldl.hpp).
   std::vector<int> most;
   std::vector<std::size_t> row_first, joint_first, square_first, D_first;
   int most_at_base = 0;  // rows that may be open after all joints are eliminated
@@ -33,10 +33,11 @@ struct BodyPattern {
     return inside(A[row]) && inside(B[row]);
   }
   int meeting(int row) const;  // lowest common ancestor of a row's nodes, or -1
-  void complete_analysis();    // members after `B`, from those before
+  void complete_analysis();    // sets members after `B` from those before
 };
 
-/// Takes time linear in bodies and contacts plus, for each row, the bodies between its ends.
+/// Returns the pattern of an island, in time linear in bodies and contacts plus, for each row, the bodies between its
+/// ends.
 BodyPattern analyze_bodies(const Scene& scene, const Island& island);
 
 /// Returns the node of an attachment, or -1 if it is immovable.

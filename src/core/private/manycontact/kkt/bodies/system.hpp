@@ -44,15 +44,16 @@ struct BodyResidual {
   std::vector<Eigen::Vector4d> body_scale;  // one entry per node: terms of a (linear, angular) and f (linear, angular)
   Eigen::VectorXd joint_scale;              // nv
   Eigen::VectorXd row_scale;                // nc
-  double dynamics = 0, dynamics_scale = 0;  // largest residual, and terms, of f and the joints
-  double contact = 0, contact_scale = 0;    // largest residual, and terms, of the rows
+  double dynamics = 0, dynamics_scale = 0;  // largest residual, and terms, of the equations of f and joints
+  double contact = 0, contact_scale = 0;    // largest residual, and terms, of the equations of rows
 
   void resize(const BodyPattern& p);
 };
 
-/// Computes `out` and returns the backward error: the largest residual of an equation (f, a: of a three-vector)
-/// relative to its terms, raised to eps times the largest of their kind. The f in a joint's and the a in a row's
-/// equation are sums, whose terms count. NaN if x is not finite.
+/// Computes `out` and returns the backward error: the largest residual of an equation (of three equations together for
+/// the linear or angular part of f or a) relative to the size of its terms. This size is at least eps times the largest
+/// of all equations of the same kind. In equations of joints and rows, f and a count with the terms of which they are
+/// sums. The result is NaN if x is not finite.
 double backward_error(const BodySystem& system, const BodyVectors& rhs, const BodyVectors& x, BodyResidual& out);
 
 /// Computes the backward error node by node, during a sweep. Terms are not stored and have no lower bound, so that the

@@ -18,8 +18,9 @@ struct FactorScratch {
   sparse::LdlWorkspace ldl;
   std::vector<double> scale;                      // magnitudes of the pivots' terms
   std::vector<rank::PassedOn<double>> passed_on;  // one entry per row of K
-  /// Input: one number per row of J in the island's order, the largest motion from which it is selected
-  /// (rank/row_size.hpp), relative to which it is judged. K.row_scale replaces it if it has not nc entries.
+  /// Input: one number per row of J in the island's order, the largest motion from which the row is selected
+  /// (rank/row_size.hpp), relative to which it counts as zero or dependent. K.row_scale replaces these numbers unless
+  /// there are nc of them.
   std::vector<double> row_scale;
 };
 
@@ -42,7 +43,8 @@ class Factor {
   /// Computes v.x = K^-1 v.b with at most max_steps corrections from the true residual, and sets v.r and v.scale. If
   /// rows are dependent, v.null_component becomes the inconsistent part P b, which is not part of b during the solve.
   virtual sparse::Refinement solve_refined(const KktMatrix& K, KktVectors& v, int max_steps);
-  /// Returns the componentwise backward error of r. A dropped row's scale includes those of kept rows times |z_j|.
+  /// Returns the componentwise backward error of r. The scale of a dropped (dependent) row includes those of the kept
+  /// rows j that it depends on, times their coefficients' |z_j|.
   virtual double backward_error(std::span<const double> r, std::span<const double> scale) {
     return sparse::componentwise_backward_error(r, scale);
   }
@@ -50,7 +52,7 @@ class Factor {
   /// nonzero: flags of K's rows, in elimination order, where these columns may be nonzero; overwritten.
   virtual void solve_panel(double* X, int ld, int first, int cols, char* nonzero) = 0;
 
-  /// solve_panel, refined once by X + K^-1 (B - K X). work.nonzero: its flags; work.B: memory as large as X.
+  /// Solves as solve_panel does, refined once by X + K^-1 (B - K X). work.nonzero: flags; work.B: memory as large as X.
   virtual void solve_panel_refined(const KktMatrix& K, double* X, int ld, int first, int cols, PanelWork& work);
 
   virtual void release_panels() {}  // a later solve_panel allocates again
@@ -61,7 +63,7 @@ class Factor {
   /// Subtracts P y from the contact rows of y, with the projector P on the null space of J^T. Adds P y to
   /// null_component (one entry per row of K) unless it is nullptr. Does nothing if J has full rank.
   virtual void project_out(double* y, double* null_component) { (void)y, (void)null_component; }
-  /// Subtracts P X from the first `cols` columns of a panel X, which is stored as in solve_panel.
+  /// Subtracts P X (P: see project_out) from the first `cols` columns of a panel X, stored as in solve_panel.
   virtual void project_out_panel(double* X, int ld, int cols) { (void)X, (void)ld, (void)cols; }
   /// Sets one flag per row of J, numbered within the island (nc), if project_out may change the row.
   virtual void null_space_rows(std::span<char> rows) const { std::fill(rows.begin(), rows.end(), 1); }
@@ -72,7 +74,7 @@ class Factor {
   /// Returns the rounding error of project_out relative to the largest |y_k|; it bounds that of least-norm forces.
   virtual double projector_error() const { return 0; }
 
-  virtual int nonzeros() const = 0;  // diagonals included
+  virtual int nonzeros() const = 0;  // number of entries of the factor, with diagonals
   /// Overwrites the coordinates' rows of x with a solution y of J y = f, if any, where f are the contact rows of x.
   virtual void particular_solution(double* x) { solve(x); }
 

@@ -21,12 +21,12 @@ std::unique_ptr<Factor> make_waiting_ldl_factor();
 /// rows are dependent.
 std::unique_ptr<Factor> make_proximal_factor();
 
-std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);  // simplicial, in K's order
+std::unique_ptr<Factor> make_cholmod_factor(std::shared_ptr<IslandShape> shape);  // CHOLMOD's LDL', in K's order
 
 std::unique_ptr<Factor> make_dense_factor();  // rank-revealing (kkt/dense.hpp)
 
 std::unique_ptr<Factor> make_dense_schur_factor();  // dense LLT of M and Schur complement
 
-std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> shape);  // not kAuto
+std::unique_ptr<Factor> make_factor(Method method, std::shared_ptr<IslandShape> shape);  // not for kAuto
 
 }  // namespace manycontact
