@@ -90,8 +90,8 @@ std::span<P const> side_by_side(std::span<Item> items, P (&memory)[N], At&& at) 
   return {memory, items.size()};
 }
 
-/// Loads the placements pair_B of items' contacts, which have Contact::pair, and their PairNumbers unless these are all
-/// `common`: the PairNumbers that all elements of `to` share, or nullptr.
+/// Loads pair_B and the PairNumbers of the items' contacts, which all have Contact::pair. PairNumbers that all items
+/// share with the last call (`common`) are not loaded again. Sets `common` to those that all items share, or nullptr.
 template <class S, class Item, class Of>
 void load_pair(std::span<Item> items, Of&& contact_data, ContactData<S>& to, const PairNumbers<double>*& common) {
   const double* from[kMostInBatch];

@@ -57,7 +57,8 @@ void ProximalFactor::take_out_of_columns(int cols) {
     for (int c = 0; in_null_space_[p.iperm[k]] && c < cols; ++c) X_[k * kChunk + c] -= W_[k * kChunk + c];
 }
 
-// Removes the part of X_ in J^T's null space down to its share `left`; each pass leaves the share `each` as rounding.
+// Subtracts from X_ its part in J^T's null space, in passes, until at most the fraction `left` of that part is expected
+// to remain. Rounding in E (drift_) makes a pass leave the fraction `each`.
 void ProximalFactor::project_columns(int cols, double left) {
   const double each = std::min(0.1, applications_ * drift_);
   for (double part = 1; part > left; part *= each) {

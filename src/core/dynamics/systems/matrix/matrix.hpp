@@ -103,7 +103,8 @@ double rounding(const Scene& scene, const MatrixSystem& system);  // c eps, for 
 /// Returns the relative error of J: c eps or, if larger, the largest relative residual with which the factor's dropped
 /// rows depend on its kept rows.
 double rounding_of_J(const Scene& scene, const MatrixSystem& system);
-/// Adds |dJ| times `sizes`, magnitudes of K's unknowns, to w, in elimination order. dJ: errors of J divided by c eps.
+/// Adds |dJ| |a| to the contact rows of w, and |dJ|^T |f| to its joint rows, in elimination order. dJ: bounds of J's
+/// errors, divided by `rounding`. `sizes`: the magnitudes |a| and |f|, in elimination order.
 void add_terms_of_J(const Scene& scene, const Workspace& work, const MatrixSystem& system,
                     const std::vector<double>& sizes, std::vector<double>& w);
 /// Returns |dJ^T r|, in elimination order as r. If r is the contacts' inconsistency, rounding errors dJ change the
