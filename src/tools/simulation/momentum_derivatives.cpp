@@ -203,8 +203,8 @@ void add_motion_rows(const Scene& scene, const FreeGroups::FreeJoint& j, const M
 }
 
 // Computes the rows of v in F, dv~ + A_q dq+ (momentum_derivatives.hpp). R are the child's axes, p its origin, (u, w)
-// the added motion, and C a group's centre of mass. If the child rotates by r (d.turned), R^T u changes by R^T (u x r), and
-// R^T w likewise. If p and C move by dp and dC, u + w x (p - C) changes by w x (dp - dC).
+// the added motion, and C a group's centre of mass. If the child rotates by r (d.turned), R^T u changes by R^T (u x r),
+// and R^T w likewise. If p and C move by dp and dC, u + w x (p - C) changes by w x (dp - dC).
 void differentiate_added_motion(const Scene& scene, const std::vector<Kinematics<double>>& kin,
                                 const FreeGroups& groups, FreeMotionDerivatives& d, Eigen::MatrixXd& F) {
   for (const FreeGroups::FreeJoint& j : groups.joints) {

@@ -17,8 +17,8 @@ bool alike_gains(const PairRows& pair) {
   });
 }
 
-// Whether a pair's contacts have equal gains and its bodies move as one, up to rounding: their relative velocity is zero
-// and so is, where alpha is not 0, their relative displacement. Consistent contacts then remain consistent.
+// Whether a pair's contacts have equal gains and its bodies move as one, up to rounding: their relative velocity is
+// zero and so is, where alpha is not 0, their relative displacement. Consistent contacts then remain consistent.
 bool moves_as_one(const Reduction& r, int c, const PairRows& pair) {
   const double* left = left_of(*r.data->workspace, c);
   return alike_gains(pair) && left[pair.unit.size() + 1] <= tolerance::kMovesAsOne;
