@@ -1,15 +1,12 @@
 #include <chrono>
-#include <set>
 #include <span>
 
+#include "in_use.hpp"
 #include "manycontact/dynamics/batch.hpp"
-#include "objects.hpp"
 
 namespace manycontact::python {
 
 namespace {
-
-std::set<const BatchData*> in_use;  // data of running batches, read and written with the GIL
 
 struct Rows {  // A matrix with one row per state. A state with numbers that are not finite gets the status kFailed.
   Doubles array;
@@ -47,15 +44,7 @@ constexpr auto kShort = std::chrono::milliseconds(50), kLong = std::chrono::mill
 // Throws ValueError while another thread uses the batch.
 template <class Work>
 void run_batch(const BatchData& batch, Eigen::Index states, Work&& work) {
-  struct Turn {
-    explicit Turn(const BatchData* b) : batch(b) {
-      if (!in_use.insert(b).second)
-        throw py::value_error("the batch is in use by another thread: use separate BatchData in each thread");
-    }
-    ~Turn() { in_use.erase(batch); }
-    const BatchData* batch;
-  };
-  const Turn turn(&batch);
+  const InUse turn(batch, "BatchData");
   const py::gil_scoped_release unlocked;
   Eigen::Index chunk = kFirstChunk, first = 0;
   do {

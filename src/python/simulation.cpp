@@ -1,8 +1,8 @@
 #include <chrono>
-#include <mutex>
 #include <variant>
 
 #include "data.hpp"
+#include "in_use.hpp"
 #include "manycontact/detail/contact/reference.hpp"
 #include "manycontact/detail/simulation/invariants.hpp"
 #include "manycontact/model/expect_state.hpp"
@@ -161,78 +161,76 @@ void add_step_functions(py::module_& m) {
   });
 }
 
-struct Many {
-  SimulationBatch batch;
-  std::shared_ptr<std::mutex> busy = std::make_shared<std::mutex>();
-
-  template <class Use>
-  auto use(Use&& act) {
-    const std::unique_lock turn(*busy, std::try_to_lock);
-    if (!turn)
-      throw py::value_error(
-          "SimulationBatch: the batch is in use by another thread: use a separate batch in each thread");
-    return act(batch);
-  }
-};
-
-BatchMatrix kkt_matrix(const char* name, py::handle source) {
+BatchMatrix state_rows(const char* name, py::handle source) {
   const Doubles X = as_doubles(source);
   if (!X || X.ndim() != 2) throw py::value_error(std::string(name) + " has to be a matrix, one state per row");
   check_numbers(name, X.data(), X.size());
   return Eigen::Map<const BatchMatrix>(X.data(), X.shape(0), X.shape(1));
 }
 
-py::array_t<std::int8_t> step_many(const Scene& scene, py::handle u, Many& many, int steps) {
-  const BatchMatrix U = kkt_matrix("step_batch: u", u);
-  return many.use([&](SimulationBatch& batch) {
-    std::vector<StepStatus> worst(batch.status.size(), StepStatus::kOk);
-    {
-      const py::gil_scoped_release unlocked;
-      Signals signals;
-      for (int k = 0; k < steps; ++k) {
-        step_batch(scene, U, batch);
-        for (std::size_t i = 0; i < worst.size(); ++i)
-          if (batch.status[i] != StepStatus::kOk) worst[i] = batch.status[i];
-        signals.look();
-      }
+py::array_t<std::int8_t> step_many(const Scene& scene, py::handle u, SimulationBatch& batch, int steps) {
+  const BatchMatrix U = state_rows("step_batch: u", u);
+  const InUse turn(batch, "SimulationBatch");
+  std::vector<StepStatus> worst(batch.status.size(), StepStatus::kOk);
+  {
+    const py::gil_scoped_release unlocked;
+    Signals signals;
+    for (int k = 0; k < steps; ++k) {
+      step_batch(scene, U, batch);
+      for (std::size_t i = 0; i < worst.size(); ++i)
+        if (batch.status[i] != StepStatus::kOk) worst[i] = batch.status[i];
+      signals.look();
     }
-    return numbers_of(worst);
-  });
+  }
+  return numbers_of(worst);
 }
 
 // Returns a getter for a member of SimulationBatch, which copies the member.
 template <class M>
 auto got(M SimulationBatch::*member) {
-  return [member](Many& m) { return m.use([&](SimulationBatch& b) { return b.*member; }); };
+  return [member](SimulationBatch& batch) {
+    const InUse turn(batch, "SimulationBatch");
+    return batch.*member;
+  };
 }
 template <class M>
 auto put(M SimulationBatch::*member) {
-  return [member](Many& m, const M& x) { m.use([&](SimulationBatch& b) { b.*member = x; }); };
+  return [member](SimulationBatch& batch, const M& x) {
+    const InUse turn(batch, "SimulationBatch");
+    batch.*member = x;
+  };
 }
 auto put(const char* name, BatchMatrix SimulationBatch::*member) {
-  return [=](Many& m, py::handle x) { m.use([&](SimulationBatch& b) { b.*member = kkt_matrix(name, x); }); };
+  return [=](SimulationBatch& batch, py::handle x) { put(member)(batch, state_rows(name, x)); };
 }
 
 void add_batch_of_simulations(py::module_& m) {
   using B = SimulationBatch;
-  Class<Many>(m, "SimulationBatch")
+  Class<B>(m, "SimulationBatch")
       .def(py::init([](const Scene& scene, py::handle q, py::handle v, Integrator integrator, double h, int threads,
                        const Options& options) {
-        return Many{B(scene, kkt_matrix("SimulationBatch: q", q), kkt_matrix("SimulationBatch: v", v), integrator, h,
-                      threads, options)};
+        return B(scene, state_rows("SimulationBatch: q", q), state_rows("SimulationBatch: v", v), integrator, h,
+                 threads, options);
       }))
       .read("q", got(&B::q), "v", got(&B::v), "f", got(&B::f))
       .property(
           "q_ref", got(&B::q_ref), put("q_ref", &B::q_ref), "v_ref", got(&B::v_ref), put("v_ref", &B::v_ref), "kp",
           got(&B::kp), put(&B::kp), "kd", got(&B::kd), put(&B::kd), "active",
-          [](Many& m) { return m.use([](B& b) { return std::vector<bool>(b.active.begin(), b.active.end()); }); },
-          [](Many& m, py::handle x) { m.use([&](B& b) { set_flags("SimulationBatch.active", x, b.active); }); },
+          [](B& batch) {
+            const std::vector<char> active = got(&B::active)(batch);
+            return std::vector<bool>(active.begin(), active.end());
+          },
+          [](B& batch, py::handle x) {
+            const InUse turn(batch, "SimulationBatch");
+            set_flags("SimulationBatch.active", x, batch.active);
+          },
           "velocity_limit", got(&B::velocity_limit), put(&B::velocity_limit));
   def(m, "step_batch", &step_many);
-  def(m, "set_state", [](const Scene& scene, Eigen::Index k, const Vector& q, const Vector& v, Many& many) {
+  def(m, "set_state", [](const Scene& scene, Eigen::Index k, const Vector& q, const Vector& v, B& batch) {
     check_numbers("set_state: q", q.data(), q.size());
     check_numbers("set_state: v", v.data(), v.size());
-    many.use([&](SimulationBatch& batch) { set_state(scene, k, q, v, batch); });
+    const InUse turn(batch, "SimulationBatch");
+    set_state(scene, k, q, v, batch);
   });
 }
 

@@ -233,21 +233,17 @@ def test_batches(humanoid):
         mc.solve_batch(scene, Q[:2], V, U, batch)
 
 
-def test_data_of_one_thread_at_a_time():
+def use_in_threads(solved, make, shared, times):
     """Threads with data of their own run concurrently; with the same data they are refused, not wrong."""
-    file = mc.load_scene(str(MODELS / "ring_of_humanoids.xml"))
-    shared = mc.SceneData(file.scene)
-    mc.solve(file.scene, file.q, file.v, file.u, shared)
-    expected, failures, refused = shared.a, [], []
+    expected, failures, refused = solved(shared).copy(), [], []
 
     def work():
-        own = mc.SceneData(file.scene)
-        for _ in range(10):
-            mc.solve(file.scene, file.q, file.v, file.u, own)
-            if not (own.a == expected).all():
+        own = make()
+        for _ in range(times):
+            if not (solved(own) == expected).all():
                 failures.append("numbers")
             try:
-                mc.solve(file.scene, file.q, file.v, file.u, shared)
+                solved(shared)
             except ValueError as e:
                 refused.append(str(e))
 
@@ -258,33 +254,26 @@ def test_data_of_one_thread_at_a_time():
         t.join()
     assert not failures
     assert all("another thread" in text for text in refused)
+
+
+def test_data_of_one_thread_at_a_time():
+    file = mc.load_scene(str(MODELS / "ring_of_humanoids.xml"))
+
+    def solved(data):
+        mc.solve(file.scene, file.q, file.v, file.u, data)
+        return data.a
+
+    use_in_threads(solved, lambda: mc.SceneData(file.scene), mc.SceneData(file.scene), 10)
 
 
 def test_batches_in_threads():
-    """Batches with data of their own run concurrently; a thread whose BatchData is in use is refused."""
     file = mc.load_scene(str(MODELS / "ring_of_humanoids.xml"))
-    scene, n = file.scene, 40
-    Q, V, U = (np.tile(x, (n, 1)) for x in (file.q, file.v, file.u))
-    shared = mc.BatchData(scene, threads=1)
-    expected, failures, refused = mc.solve_batch(scene, Q, V, U, shared)[0], [], []
+    Q, V, U = (np.tile(x, (40, 1)) for x in (file.q, file.v, file.u))
 
-    def work():
-        own = mc.BatchData(scene, threads=2)
-        for _ in range(5):
-            if not (mc.solve_batch(scene, Q, V, U, own)[0] == expected).all():
-                failures.append("numbers")
-            try:
-                mc.solve_batch(scene, Q, V, U, shared)
-            except ValueError as e:
-                refused.append(str(e))
+    def solved(batch):
+        return mc.solve_batch(file.scene, Q, V, U, batch)[0]
 
-    threads = [threading.Thread(target=work) for _ in range(4)]
-    for t in threads:
-        t.start()
-    for t in threads:
-        t.join()
-    assert not failures
-    assert all("another thread" in text for text in refused)
+    use_in_threads(solved, lambda: mc.BatchData(file.scene, threads=2), mc.BatchData(file.scene, threads=1), 5)
 
 
 def test_simulation(humanoid):
